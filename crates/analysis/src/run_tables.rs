@@ -7,6 +7,7 @@ use super::one_fit::SharedEstimate;
 use super::parameters::{PARAMETERS, usable};
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Estimate, Fit, RunFile, RunRecord, Severity, Tag};
+use ieap_numerics::sums;
 use ieap_show::{Frame, Sheet};
 
 /// A run, and what else a row is made from.
@@ -213,9 +214,7 @@ fn mean(values: &[f64]) -> Option<f64> {
 
 /// Between runs, with n - 1.
 fn standard_deviation(values: &[f64]) -> Option<f64> {
-    let mean = mean(values).filter(|_| values.len() > 1)?;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some((squares / (values.len() - 1) as f64).sqrt())
+    (values.len() > 1).then(|| sums::standard_deviation(values))
 }
 
 #[cfg(test)]

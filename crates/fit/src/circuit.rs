@@ -4,13 +4,16 @@
 //! `V - v_k` is `a_j e^(-t/tau_k)`, where the amplitude `a_j` of segment j follows from tau_k alone.
 
 use ieap_domain::{Drive, Level};
+use ieap_numerics::active_set::nonnegative;
 use ieap_numerics::decay::{BLOCK, Block, Column, Decay};
 use ieap_numerics::gram::{CAPACITY, Gram};
 use ieap_numerics::least_squares::Local;
-use ieap_numerics::nonnegative::nonnegative_least_squares;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::{Remainder, Sampled};
+
+/// Pivot, relative to the diagonal, below which columns count as dependent.
+const DEPENDENT: f64 = 1e-11;
 
 /// The design of the current for given time constants.
 pub(super) struct Circuit<'a> {
@@ -118,7 +121,7 @@ impl Circuit<'_> {
         let whole = self.gram(log_time_constants);
         let n = log_time_constants.len();
         let gram = self.without_offset(&whole);
-        let x = nonnegative_least_squares(&gram, n + 1);
+        let x = conductances(&gram, n);
         let offset_a = if self.with_offset {
             let last = 2 * n + 1;
             (whole.right[last] - whole.matrix.times(&x)[last]) / whole.matrix.get(last, last)
@@ -127,9 +130,9 @@ impl Circuit<'_> {
         };
         Solution {
             log_time_constants: log_time_constants.to_vec(),
-            conductances_a_per_v: x[..=n].to_vec(),
-            offset_a,
             square: gram.residual_square(&x),
+            conductances_a_per_v: x,
+            offset_a,
         }
     }
 
@@ -157,7 +160,7 @@ impl Circuit<'_> {
     pub(super) fn projected(&self, log_time_constants: &[f64]) -> Local {
         let n = log_time_constants.len();
         let gram = self.without_offset(&self.gram(log_time_constants));
-        let x = nonnegative_least_squares(&gram, n + 1);
+        let x = conductances(&gram, n);
         let residual = gram.matrix.times(&x);
         let active: Vec<usize> = (0..=n).filter(|&k| x[k] > 0.0).collect();
         let factor = gram.matrix.part(&active).cholesky(0.0);
@@ -183,6 +186,15 @@ impl Circuit<'_> {
             normal,
         }
     }
+}
+
+/// Conductances of the branches and the steady one, none negative, that leave the least sum of squares.
+fn conductances(gram: &Gram, branches: usize) -> Vec<f64> {
+    nonnegative(
+        &gram.matrix.first(branches + 1),
+        &gram.right[..=branches],
+        DEPENDENT,
+    )
 }
 
 /// Voltage that the source holds in a segment, V; zero while the circuit is open.

@@ -201,12 +201,7 @@ fn left(quantity: Quantity, sampled: &Sampled, residuals: &Residuals, searched: 
         quantity,
         readings: sampled.len(),
         square: residuals.square,
-        scatter: sampled.scatter.as_ref().map(|scatter| {
-            noise(Autoregression {
-                variance: scatter.standard_deviation.powi(2),
-                correlation: scatter.correlation,
-            })
-        }),
+        scatter: sampled.scatter.as_ref().map(|scatter| noise(scatter.noise())),
         residual: noise(residuals.noise),
         searched,
     }

@@ -5,7 +5,6 @@ use std::cell::OnceCell;
 use ieap_domain::Drive;
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::column_memory::LongColumn;
-use ieap_numerics::correlation::Autoregression;
 use ieap_numerics::gram::CAPACITY;
 use ieap_numerics::least_squares::Stop;
 use ieap_numerics::sums;
@@ -109,7 +108,7 @@ impl Electrical {
         let last = self.covariance.order().checked_sub(1)?;
         self.offset_a.map(|value| Zero {
             value,
-            standard_error: self.covariance.get(last, last).max(0.0).sqrt(),
+            standard_error: self.covariance.error(last),
         })
     }
 
@@ -256,10 +255,7 @@ pub(super) fn identify(
 fn noise_without_circuit(sampled: &Sampled) -> f64 {
     let peak = sums::peak(&sampled.values);
     let scatter = sampled.scatter.as_ref().map_or(0.0, |scatter| {
-        let noise = Autoregression {
-            variance: scatter.standard_deviation.powi(2),
-            correlation: scatter.correlation,
-        };
+        let noise = scatter.noise();
         noise.long_run_variance().max(noise.variance)
     });
     scatter.max((1e-9 * peak).powi(2))
@@ -386,9 +382,7 @@ impl Choosing<'_> {
             let start = fitted.len();
             fitted.resize(start + block.len, solution.offset_a);
             for (column, conductance) in columns.iter().zip(&solution.conductances_a_per_v) {
-                for (out, value) in fitted[start..].iter_mut().zip(column) {
-                    *out += conductance * value;
-                }
+                sums::add(&mut fitted[start..], *conductance, column);
             }
         });
         Residuals::new(

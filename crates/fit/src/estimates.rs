@@ -220,7 +220,7 @@ fn derived(
 
 /// An estimate whose logarithm has the standard error that the weights give.
 fn logarithmic(part: Feature, value: f64, weights: &[f64; CAPACITY], electrical: &Electrical) -> Estimate {
-    let relative = electrical.covariance.form(weights, weights).max(0.0).sqrt();
+    let relative = electrical.covariance.error_along(weights);
     let half = electrical.residuals.quantile * relative;
     if electrical.bends && half > NARROW_PART {
         return Estimate::not_determined(BENDS);
@@ -250,7 +250,7 @@ fn steady(electrical: &Electrical, drive: &Drive) -> Estimate {
         });
     }
     let index = electrical.conductances_a_per_v.len();
-    let error = electrical.covariance.get(index, index).max(0.0).sqrt();
+    let error = electrical.covariance.error(index);
     let half = electrical.residuals.quantile * error;
     let area = electrical.area_cm2;
     let (low, high) = (electrical.steady_a_per_v - half, electrical.steady_a_per_v + half);
@@ -308,7 +308,7 @@ pub(super) fn bending_estimate(feature: Feature, bending: Result<&Bending, &str>
         // A coupling near zero leaves the rate open, and its own size depends on that rate.
         return Some(Estimate::not_determined(why));
     }
-    let error = bending.covariance.get(index, index).max(0.0).sqrt();
+    let error = bending.covariance.error(index);
     let half = bending.residuals.quantile * error;
     Some(if index == 0 {
         coupling(bending, error, half)
@@ -329,7 +329,7 @@ const OPEN_COUPLING: &str = "coupling and rate cannot be told apart, or the char
 
 /// Whether the interval of the coupling reaches zero; without a coupling the rate means nothing either.
 fn coupling_is_open(bending: &Bending) -> bool {
-    let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+    let error = bending.covariance.error(0);
     let half = bending.residuals.quantile * error;
     bending.at_upper_bound || half.is_nan() || half >= bending.coupling_per_c_cm.abs()
 }

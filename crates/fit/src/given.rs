@@ -3,6 +3,7 @@
 
 use ieap_domain::{Channel, Drive, Fit, Parameter, Quantity};
 use ieap_model::{FitModel, LumpedModel};
+use ieap_numerics::slopes::gradient;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::joint::feature::Feature;
@@ -61,24 +62,9 @@ impl BaseKnowledge {
 
     fn interval(&self, feature: Feature, layout: Layout) -> Interval {
         let value = feature.of(layout, &self.local);
-        let along = |k: usize| {
-            let step = STEP * self.local[k].abs().max(1e-3);
-            let at = |by: f64| {
-                let mut moved = self.local.clone();
-                moved[k] += by;
-                feature.of(layout, &moved)
-            };
-            (at(step) - at(-step)) / (2.0 * step)
-        };
-        let gradient: Vec<f64> = (0..self.local.len()).map(along).collect();
-        let standard_error = self.covariance.form(&gradient, &gradient).max(0.0).sqrt();
-        let half = self.quantile * standard_error;
-        Interval {
-            value,
-            standard_error,
-            low: Some(value - half),
-            high: Some(value + half),
-        }
+        let step = |k: usize| STEP * self.local[k].abs().max(1e-3);
+        let gradient = gradient(&self.local, step, |local| feature.of(layout, local));
+        Interval::linear(value, self.covariance.error_along(&gradient), self.quantile)
     }
 }
 

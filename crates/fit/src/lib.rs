@@ -22,7 +22,6 @@ mod interval_rule;
 mod joint;
 mod joint_estimates;
 mod law;
-mod line;
 mod means;
 mod moving;
 mod noise_again;

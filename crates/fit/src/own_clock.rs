@@ -8,12 +8,12 @@ use std::sync::Arc;
 use ieap_domain::number::fixed;
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
 use ieap_domain::{Channel, Drive, Fit, Issue, Nuisance, Quantity};
+use ieap_numerics::line::Line;
 use ieap_numerics::robust::median_step;
 use ieap_numerics::sums;
 
 use crate::bending;
 use crate::electrical::Electrical;
-use crate::line::Line;
 use crate::nuisances;
 use crate::options::{FitInput, FitOptions};
 use crate::outliers::Cleaned;

@@ -17,7 +17,7 @@ use crate::policy::{BENT_PART, BRANCH_CLEAR, LOST_BELOW, NARROW_PART, WIDE_PART}
 pub(super) fn is_settled(electrical: &Electrical, bending: Option<&Bending>, branches: usize) -> bool {
     let n = electrical.conductances_a_per_v.len();
     let bends = |bending: &Bending| {
-        let error = bending.covariance.get(0, 0).max(0.0).sqrt();
+        let error = bending.covariance.error(0);
         bending.residuals.quantile * error <= NARROW_PART * bending.coupling_per_c_cm.abs()
     };
     (n == branches || n >= 2)
@@ -33,7 +33,7 @@ pub(super) fn is_narrow(electrical: &Electrical) -> bool {
 
 fn widest(electrical: &Electrical) -> f64 {
     let n = electrical.conductances_a_per_v.len();
-    let half = |k: usize| electrical.residuals.quantile * electrical.covariance.get(k, k).max(0.0).sqrt();
+    let half = |k: usize| electrical.residuals.quantile * electrical.covariance.error(k);
     (0..n).map(|k| half(k).max(half(n + 1 + k))).fold(0.0, f64::max)
 }
 
@@ -128,7 +128,7 @@ impl<'a> Bowl<'a> {
             let Some(gradient) = self.gradient(feature) else {
                 continue;
             };
-            let error = electrical.covariance.form(&gradient, &gradient).max(0.0).sqrt();
+            let error = electrical.covariance.error_along(&gradient);
             let half = electrical.residuals.quantile * error;
             if half > NARROW_PART {
                 found.push(Ends {

@@ -257,18 +257,9 @@ impl Sampled {
         if before.is_empty() {
             return None;
         }
-        let count = before.len() as f64;
-        let mean = before.iter().sum::<f64>() / count;
-        let (mut square, mut product, mut last) = (0.0, 0.0, 0.0);
-        for value in before {
-            let e = value - mean;
-            square += e * e;
-            product += e * last;
-            last = e;
-        }
-        let noise = Autoregression::from_sums(square, product, count, 1.0);
+        let noise = Autoregression::of(&sums::about_mean(before), 1);
         Some(AtRest {
-            mean,
+            mean: sums::mean(before),
             long_run_variance: noise.long_run_variance().max(noise.variance),
         })
     }

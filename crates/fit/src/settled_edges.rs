@@ -3,11 +3,11 @@
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
 use ieap_domain::{Channel, ChannelNoise, Quantity, range_of};
 use ieap_model::rival_law;
+use ieap_numerics::line::Line;
 
 use crate::edges::Settled;
 use crate::error::FitError;
 use crate::group;
-use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::plain::in_two_steps;
 use crate::policy::MOST_MEMORY;

@@ -3,11 +3,13 @@
 use ieap_domain::Estimate;
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_numerics::column_memory::LongColumn;
-use ieap_numerics::correlation::{Autoregression, HigherOrder, recurring_excess, slow_excess};
+use ieap_numerics::correlation::{
+    Autoregression, HigherOrder, readings_per_independent, recurring_excess, slow_excess,
+};
 use ieap_numerics::decay::{BLOCK, Column};
-use ieap_numerics::gram::{CAPACITY, Gram, dot};
+use ieap_numerics::gram::{CAPACITY, Gram};
 use ieap_numerics::student::quantile_95;
-use ieap_numerics::sums;
+use ieap_numerics::sums::{self, dot};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::sampled::Sampled;
@@ -36,34 +38,32 @@ pub(super) struct Residuals {
     pub(super) quantile: f64,
 }
 
+/// Variance of a long sum per reading in variances of the noise.
+fn memory(noise: &Autoregression, higher: Option<&HigherOrder>) -> f64 {
+    higher.map_or_else(
+        || readings_per_independent(noise.correlation),
+        HigherOrder::long_run_ratio,
+    )
+}
+
 impl Residuals {
     /// From fitted values at all readings of `sampled`, of a fit with `parameters` parameters.
     pub(super) fn new(sampled: &Sampled, fitted: impl Into<LongColumn>, parameters: usize) -> Residuals {
         let fitted = fitted.into();
         let mut residuals = LongColumn::with_capacity(fitted.len());
         residuals.extend(sampled.values.iter().zip(&*fitted).map(|(y, f)| y - f));
-        let (square, product) = (sums::square(&residuals), sums::lagged(&residuals));
-        let readings = residuals.len() as f64;
-        let noise = Autoregression::from_sums(square, product, readings, parameters as f64);
+        let noise = Autoregression::of(&residuals, parameters);
         let higher = HigherOrder::of(&residuals, parameters as f64, &noise);
-        let long_run = |noise: &Autoregression| match &higher {
-            Some(higher) => noise.variance * higher.long_run_ratio(),
-            None => noise.long_run_variance(),
-        };
-        let memory = long_run(&noise) / noise.variance;
+        let memory = memory(&noise, higher.as_ref());
         let recurring = sampled.period_s.map_or(1.0, |period_s| {
             recurring_excess(&sampled.time_s, &residuals, period_s, memory, parameters)
         });
-        let excess = slow_excess(&residuals, long_run(&noise), parameters).max(recurring);
-        let effective = match &higher {
-            Some(higher) => readings / higher.long_run_ratio().max(1.0),
-            None => noise.effective_readings(readings),
-        };
-        let freedom = effective - parameters as f64;
+        let excess = slow_excess(&residuals, noise.variance * memory, parameters).max(recurring);
+        let freedom = residuals.len() as f64 / memory.max(1.0) - parameters as f64;
         Residuals {
             fitted,
+            square: sums::square(&residuals),
             residuals,
-            square,
             noise,
             higher,
             excess,
@@ -79,11 +79,7 @@ impl Residuals {
 
     /// Variance of a long sum per reading in variances of the noise, 1 at least.
     fn long_run_ratio(&self) -> f64 {
-        let ratio = match &self.higher {
-            Some(higher) => higher.long_run_ratio(),
-            None => self.noise.long_run_variance() / self.noise.variance,
-        };
-        if ratio.is_finite() { ratio.max(1.0) } else { 1.0 }
+        memory(&self.noise, self.higher.as_ref()).max(1.0)
     }
 
     /// Correlation of neighbouring residuals, known as well as that of a first-order autoregression can be.

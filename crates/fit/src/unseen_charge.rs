@@ -4,12 +4,12 @@
 //! alone leaves open of it stands in the capacitance, the resistance and the coupling.
 
 use ieap_domain::quantiles::{CHI_SQUARE_95_OF_ONE, NORMAL_95};
+use ieap_numerics::line::Line;
 use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::bending::{self, Bending};
 use crate::electrical::{self, Electrical, Unseen};
-use crate::line::Line;
 use crate::options::{FitInput, FitOptions};
 use crate::policy::{BRANCH_EVIDENCE, UNSEEN_FASTER};
 use crate::sampled::Sampled;

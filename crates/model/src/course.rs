@@ -6,7 +6,7 @@
 //! programme, whose interior is followed to its least (Mehrotra, SIAM Journal on Optimization 2, 575, 1992): the prices
 //! of the limits, which the search finds beside the voltages, say what no course within them goes below.
 
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{add, dot};
 use ieap_numerics::symmetric::Symmetric;
 
 /// What the source may do.
@@ -305,7 +305,7 @@ fn search(pulse: &Pulses, wanted: WantedAt, limits: &VoltageLimits) -> (Vec<f64>
         let (dv, to_room, to_prices) = step(&|r| kept - room[r] * prices[r] - to_room[r] * to_prices[r]);
         let far = (SHORT_OF * reach(&room, &to_room).min(reach(&prices, &to_prices))).min(1.0);
         for (x, dx) in [(&mut v, &dv), (&mut room, &to_room), (&mut prices, &to_prices)] {
-            x.iter_mut().zip(dx).for_each(|(x, dx)| *x += far * dx);
+            add(x, far, dx);
         }
     }
     (v, least)

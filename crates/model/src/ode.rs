@@ -3,10 +3,10 @@
 use ieap_domain::{Drive, Level};
 use ieap_numerics::ode::integrate;
 
-use super::lumped::LumpedModel;
+use super::lumped::{Branch, LumpedModel};
 
 /// Responses of a sample at given times.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Responses {
     /// Current into the sample, A.
     pub current_a: Vec<f64>,
@@ -28,44 +28,24 @@ pub fn integrate_responses(
     time_s: &[f64],
     relative: f64,
 ) -> Responses {
-    let n = model.branches.len();
-    let mut state: Vec<f64> = model
-        .branches
-        .iter()
-        .map(|b| b.capacitance_f_per_cm2 * drive.baseline_v)
-        .collect();
-    state.push(0.0);
+    let charge = |branch: &Branch| branch.capacitance_f_per_cm2 * drive.baseline_v;
     let mut level = Level::Voltage(drive.baseline_v);
     let first = drive.segments.first().map_or(0.0, |segment| segment.start_s());
-    let mut now_s = time_s.first().map_or(first, |&t| t.min(first));
+    let mut sample = Sample {
+        model,
+        relative,
+        state: model.branches.iter().map(charge).chain([0.0]).collect(),
+        now_s: time_s.first().map_or(first, |&t| t.min(first)),
+    };
     let mut upcoming = drive.segments.iter().peekable();
-    let mut responses = Responses {
-        current_a: Vec::new(),
-        charge_c: Vec::new(),
-        curvature_per_cm: Vec::new(),
-    };
-    let advance = |state: &mut [f64], now_s: &mut f64, to_s: f64, level: Level| {
-        let rate = |_: f64, y: &[f64], out: &mut [f64]| {
-            branch_currents(model, level, y, out);
-            out[n] = out[..n].iter().sum::<f64>() - model.relaxation_rate_per_s * y[n];
-        };
-        integrate(rate, *now_s, to_s, state, relative, 1e-18);
-        *now_s = to_s;
-    };
+    let mut responses = Responses::default();
     for &t in time_s {
         while let Some(segment) = upcoming.next_if(|segment| segment.start_s() <= t) {
-            advance(&mut state, &mut now_s, segment.start_s(), level);
+            sample.advance(segment.start_s(), |_| level);
             level = segment.level;
         }
-        advance(&mut state, &mut now_s, t, level);
-        let charge: f64 = state[..n].iter().sum();
-        responses
-            .current_a
-            .push(area_cm2 * outer_current(model, level, &state));
-        responses.charge_c.push(area_cm2 * charge);
-        responses
-            .curvature_per_cm
-            .push(model.charge_to_curvature_per_c_cm * area_cm2 * state[n]);
+        sample.advance(t, |_| level);
+        sample.respond(level, area_cm2, &mut responses);
     }
     responses
 }
@@ -78,30 +58,50 @@ pub fn integrate_under(
     time_s: &[f64],
     relative: f64,
 ) -> Responses {
-    let n = model.branches.len();
-    let mut state = vec![0.0; n + 1];
-    let mut now_s = time_s.first().copied().unwrap_or_default();
-    let mut responses = Responses {
-        current_a: Vec::new(),
-        charge_c: Vec::new(),
-        curvature_per_cm: Vec::new(),
+    let mut sample = Sample {
+        model,
+        relative,
+        state: vec![0.0; model.branches.len() + 1],
+        now_s: time_s.first().copied().unwrap_or_default(),
     };
+    let mut responses = Responses::default();
     for &t in time_s {
-        let rate = |time_s: f64, y: &[f64], out: &mut [f64]| {
-            branch_currents(model, Level::Voltage(volts(time_s)), y, out);
-            out[n] = out[..n].iter().sum::<f64>() - model.relaxation_rate_per_s * y[n];
-        };
-        integrate(rate, now_s, t, &mut state, relative, 1e-18);
-        now_s = t;
-        let level = Level::Voltage(volts(t));
-        responses
-            .current_a
-            .push(area_cm2 * outer_current(model, level, &state));
-        responses.charge_c.push(area_cm2 * state[..n].iter().sum::<f64>());
-        let per_charge = model.charge_to_curvature_per_c_cm * area_cm2;
-        responses.curvature_per_cm.push(per_charge * state[n]);
+        sample.advance(t, |time_s| Level::Voltage(volts(time_s)));
+        sample.respond(Level::Voltage(volts(t)), area_cm2, &mut responses);
     }
     responses
+}
+
+/// A sample on its way.
+struct Sample<'a> {
+    model: &'a LumpedModel,
+    relative: f64,
+    /// Charge of every branch, and strain of the spring.
+    state: Vec<f64>,
+    now_s: f64,
+}
+
+impl Sample<'_> {
+    fn advance(&mut self, to_s: f64, level: impl Fn(f64) -> Level) {
+        let n = self.model.branches.len();
+        let rate = |time_s: f64, y: &[f64], out: &mut [f64]| {
+            branch_currents(self.model, level(time_s), y, out);
+            out[n] = out[..n].iter().sum::<f64>() - self.model.relaxation_rate_per_s * y[n];
+        };
+        integrate(rate, self.now_s, to_s, &mut self.state, self.relative, 1e-18);
+        self.now_s = to_s;
+    }
+
+    fn respond(&self, level: Level, area_cm2: f64, responses: &mut Responses) {
+        let n = self.model.branches.len();
+        let current = outer_current(self.model, level, &self.state);
+        let per_charge = self.model.charge_to_curvature_per_c_cm * area_cm2;
+        responses.current_a.push(area_cm2 * current);
+        responses
+            .charge_c
+            .push(area_cm2 * self.state[..n].iter().sum::<f64>());
+        responses.curvature_per_cm.push(per_charge * self.state[n]);
+    }
 }
 
 /// Voltage between the terminals, V: the source's, or what leaves no current in the outer circuit.

@@ -1,20 +1,24 @@
 //! Least squares with coefficients that may not be negative, for any number of columns: the active set method of Lawson
 //! and Hanson (Solving Least Squares Problems, 1974, chapter 23), on the normal equations.
 
+use super::sums::peak;
 use super::symmetric::Symmetric;
 
-/// Pivot, relative to the diagonal, below which columns count as dependent.
-const DEPENDENT: f64 = 1e-13;
 /// A slope, relative to the largest, below which a column would no longer help.
 const NO_SLOPE: f64 = 1e-10;
 
 /// Coefficients x, none negative, with the lowest x' M x / 2 - r' x; `matrix` M is positive definite.
 ///
-/// A column that hangs on those taken before it gets 0. The method ends after three rounds for each column at the latest,
+/// A column whose pivot falls below the part `dependent` of its diagonal hangs on those taken before it and gets 0. The plain
+/// solution is tried first, which of a few columns is mostly the one. The method ends after three rounds for each column at the latest,
 /// where rounding lets it turn in a circle.
-pub fn nonnegative(matrix: &Symmetric, right: &[f64]) -> Vec<f64> {
+pub fn nonnegative(matrix: &Symmetric, right: &[f64], dependent: f64) -> Vec<f64> {
+    let plain = matrix.cholesky(dependent).map(|factor| factor.solve(right));
+    if let Some(plain) = plain.filter(|x| x.iter().all(|value| *value >= 0.0)) {
+        return plain;
+    }
     let count = matrix.order();
-    let largest = right.iter().fold(0.0_f64, |most, r| most.max(r.abs()));
+    let largest = peak(right);
     let mut x = vec![0.0; count];
     let mut taken = vec![false; count];
     let mut refused = vec![false; count];
@@ -28,7 +32,7 @@ pub fn nonnegative(matrix: &Symmetric, right: &[f64]) -> Vec<f64> {
             break;
         };
         taken[next] = true;
-        match settled(matrix, right, &mut taken, &x, next) {
+        match settled(matrix, right, dependent, &mut taken, &x, next) {
             Some(found) => (x, refused) = (found, vec![false; count]),
             None => (taken[next], refused[next]) = (false, true),
         }
@@ -41,6 +45,7 @@ pub fn nonnegative(matrix: &Symmetric, right: &[f64]) -> Vec<f64> {
 fn settled(
     matrix: &Symmetric,
     right: &[f64],
+    dependent: f64,
     taken: &mut [bool],
     x: &[f64],
     next: usize,
@@ -50,7 +55,7 @@ fn settled(
     loop {
         let keep: Vec<usize> = (0..taken.len()).filter(|k| taken[*k]).collect();
         let of_kept: Vec<f64> = keep.iter().map(|&k| right[k]).collect();
-        let solved = matrix.part(&keep).cholesky(DEPENDENT)?.solve(&of_kept);
+        let solved = matrix.part(&keep).cholesky(dependent)?.solve(&of_kept);
         let is_new = |k: usize, value: f64| k == next && is_first && value <= 0.0;
         if keep.iter().zip(&solved).any(|(&k, value)| is_new(k, *value)) {
             return None;
@@ -91,7 +96,7 @@ mod tests {
             let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
             let matrix = Symmetric::from_fn(12, |a, b| dot(column(a), column(b)));
             let right: Vec<f64> = (0..12).map(|c| dot(column(c), &y)).collect();
-            let x = nonnegative(&matrix, &right);
+            let x = nonnegative(&matrix, &right, 1e-13);
             let product = matrix.times(&x);
             for c in 0..12 {
                 let slope = right[c] - product[c];

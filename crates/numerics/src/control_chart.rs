@@ -4,6 +4,7 @@
 //! Average run lengths are those of a Markov chain over a fine partition of the average (Brook and Evans 1972; Lucas and
 //! Saccucci 1990).
 
+use super::line::edge;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Weight of the newest number in the weighted average.
@@ -14,16 +15,7 @@ const STATES: usize = 61;
 /// The limit at which a false alarm comes after `run_length` numbers on average.
 pub fn limit(mean_run_length: f64) -> f64 {
     // The length grows as the exponential of the limit or faster.
-    let (mut low, mut high) = (0.5_f64, 16.0_f64);
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if run_length(middle, 0.0) < mean_run_length {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    0.5 * (low + high)
+    edge(0.5, 16.0, 30, |limit| run_length(limit, 0.0) < mean_run_length)
 }
 
 /// The weighted average after each number, over the standard deviation that it settles to.

@@ -36,6 +36,12 @@ impl Autoregression {
         }
     }
 
+    /// Of what a fit of `parameters` smooth terms left.
+    pub fn of(residuals: &[f64], parameters: usize) -> Autoregression {
+        let (square, product) = (sums::square(residuals), sums::lagged(residuals));
+        Autoregression::from_sums(square, product, residuals.len() as f64, parameters as f64)
+    }
+
     /// Variance of a long sum per reading: variance times (1+rho)/(1-rho).
     pub fn long_run_variance(&self) -> f64 {
         self.variance * readings_per_independent(self.correlation)
@@ -128,10 +134,7 @@ pub fn yule_walker(lags: &[f64]) -> Option<(Vec<f64>, f64)> {
             return None;
         }
         let turned: Vec<f64> = coefficients.iter().rev().copied().collect();
-        coefficients
-            .iter_mut()
-            .zip(turned)
-            .for_each(|(a, b)| *a -= partial * b);
+        sums::add(&mut coefficients, -partial, &turned);
         coefficients.push(partial);
         variance *= 1.0 - partial * partial;
         share *= 1.0 - partial * partial;

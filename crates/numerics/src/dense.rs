@@ -1,5 +1,6 @@
 //! Rectangular matrices, as far as sums over blocks of a mixed model need them.
 
+use super::sums::add;
 use super::symmetric::Symmetric;
 
 /// A matrix, row by row.
@@ -84,11 +85,10 @@ impl Matrix {
     /// Adds the product of two others.
     pub fn add_product(&mut self, one: &Matrix, other: &Matrix) {
         for row in 0..self.rows {
-            let sums = self.row_mut(row);
+            let of_row = self.row_mut(row);
             for (middle, &factor) in one.row(row).iter().enumerate() {
                 if factor != 0.0 {
-                    let added = sums.iter_mut().zip(other.row(middle));
-                    added.for_each(|(sum, own)| *sum += factor * own);
+                    add(of_row, factor, other.row(middle));
                 }
             }
         }

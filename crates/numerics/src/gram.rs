@@ -28,11 +28,6 @@ impl Gram {
         }
     }
 
-    /// Adds one block; unused ends of the columns and of `y` must be zero.
-    pub fn add(&mut self, columns: &[Column], y: &Column) {
-        self.add_first(BLOCK, columns, y);
-    }
-
     /// Adds the first `len` entries of a block; those up to the next multiple of eight must be zero.
     pub fn add_first(&mut self, len: usize, columns: &[Column], y: &Column) {
         let len = len.next_multiple_of(8).min(BLOCK);
@@ -64,16 +59,9 @@ impl Gram {
 
     /// Sum of squared residuals for the coefficients `x`, which solve the normal equations where not zero.
     pub fn residual_square(&self, x: &[f64]) -> f64 {
-        let n = self.matrix.order();
-        let explained: f64 = (0..n).map(|k| x[k] * self.right[k]).sum();
+        let explained: f64 = x.iter().zip(&self.right).map(|(x, right)| x * right).sum();
         (self.square - explained).max(0.0)
     }
-}
-
-/// Inner product of two columns.
-#[inline]
-pub fn dot(a: &Column, b: &Column) -> f64 {
-    sums::dot(a, b)
 }
 
 #[cfg(test)]
@@ -86,7 +74,7 @@ mod tests {
         let line: Column = std::array::from_fn(|k| k as f64);
         let y: Column = std::array::from_fn(|k| 2.0 + 3.0 * k as f64 + if k % 2 == 0 { 0.5 } else { -0.5 });
         let mut gram = Gram::new(2);
-        gram.add(&[ones, line], &y);
+        gram.add_first(BLOCK, &[ones, line], &y);
         assert_eq!(gram.matrix.get(1, 0), 2016.0);
         let x = gram.matrix.cholesky(1e-12).unwrap().solve(&gram.right);
         let direct: f64 = (0..BLOCK).map(|k| (y[k] - x[0] - x[1] * line[k]).powi(2)).sum();

@@ -1,6 +1,9 @@
 //! Weighted linear regression with an intercept for each group: what is left of a column once groups and other
 //! columns are taken out.
 
+use super::line::edge;
+use super::sums::{add, dot};
+
 /// Part of a column's square that must be left after the columns before it for it to count.
 const DEPENDENT_BELOW: f64 = 1e-9;
 
@@ -119,16 +122,9 @@ impl Grouped {
     fn remove_basis(&self, whitened: &mut [f64]) {
         for column in &self.basis {
             let part = dot(column, whitened);
-            for (x, b) in whitened.iter_mut().zip(column) {
-                *x -= part * b;
-            }
+            add(whitened, -part, column);
         }
     }
-}
-
-/// Scalar product.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// Variance that readings share beside their own `variance`, so that the weighted squares left by groups and columns
@@ -152,16 +148,8 @@ pub fn shared_variance(y: &[f64], variance: &[f64], group: &[usize], columns: &[
     }
     // By its logarithm: the excess falls as the shared variance grows, and is negative above the plain mean square
     // by far.
-    let (mut low, mut high) = (floor.ln(), (1e3 * mean_square).ln());
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if excess(middle.exp()) > 0.0 {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    (0.5 * (low + high)).exp()
+    let highest = (1e3 * mean_square).ln();
+    edge(floor.ln(), highest, 50, |shared| excess(shared.exp()) > 0.0).exp()
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! A wave of known phase beside a slow trend, by least squares, and how well it is known.
 
 use super::complex::Complex;
-use super::correlation::Autoregression;
+use super::linear::LeastSquares;
 use super::student::quantile_95;
 use super::sums;
-use super::symmetric::Symmetric;
 
 /// A wave `Re(amplitude e^(j phase))`: one that comes later has the smaller angle.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,39 +33,21 @@ pub fn harmonic(phase: &[f64], time_s: &[f64], values: &[f64], degree: usize) ->
     }
     let (first_s, last_s) = (*time_s.first()?, *time_s.last()?);
     let place = |t: f64| (2.0 * t - first_s - last_s) / (last_s - first_s);
-    let row = |k: usize| -> Vec<f64> {
-        let x = place(time_s[k]);
-        let powers = (0..=degree).map(|power| x.powi(power as i32));
-        [phase[k].cos(), phase[k].sin()]
-            .into_iter()
-            .chain(powers)
-            .collect()
-    };
-    let rows: Vec<Vec<f64>> = (0..count).map(row).collect();
-    let normal = Symmetric::from_fn(terms, |a, b| rows.iter().map(|row| row[a] * row[b]).sum());
-    let factor = normal.cholesky(1e-12)?;
-    let right: Vec<f64> = (0..terms)
-        .map(|a| rows.iter().zip(values).map(|(row, value)| row[a] * value).sum())
+    let powers = (0..=degree as i32).map(|power| time_s.iter().map(|t| place(*t).powi(power)).collect());
+    let columns = [f64::cos, f64::sin]
+        .into_iter()
+        .map(|wave| phase.iter().map(|phase| wave(*phase)).collect())
+        .chain(powers)
         .collect();
-    let solved = factor.solve(&right);
-    let left = |(row, value): (&Vec<f64>, &f64)| value - sums::dot(row, &solved);
-    let residuals: Vec<f64> = rows.iter().zip(values).map(left).collect();
-    let noise = Autoregression::from_sums(
-        sums::square(&residuals),
-        sums::lagged(&residuals),
-        count as f64,
-        terms as f64,
-    );
+    let fit = LeastSquares::of(columns, values)?;
+    let noise = fit.noise();
     let variance = noise.long_run_variance().max(noise.variance);
-    let inverse = |k: usize| {
-        let unit: Vec<f64> = (0..terms).map(|a| f64::from(u8::from(a == k))).collect();
-        factor.solve(&unit)[k]
-    };
+    let own = fit.inverse_diagonal(0).max(fit.inverse_diagonal(1));
     let freedom = noise.effective_readings(count as f64) - terms as f64;
     Some(Harmonic {
-        amplitude: Complex::new(solved[0], -solved[1]),
-        half_95: quantile_95(freedom.max(2.0)) * (variance * inverse(0).max(inverse(1))).sqrt(),
-        residuals,
+        amplitude: Complex::new(fit.coefficients[0], -fit.coefficients[1]),
+        half_95: quantile_95(freedom.max(2.0)) * (variance * own).sqrt(),
+        residuals: fit.residuals,
     })
 }
 

@@ -2,6 +2,8 @@
 //! algorithm 5.2.1): its rounding grows with the condition of the columns, not with its square as that of the normal
 //! equations does.
 
+use super::sums;
+
 /// Columns whose part that is their own falls below this share of their length hang on the others.
 const DEPENDENT: f64 = 1e-13;
 
@@ -49,10 +51,7 @@ fn length(column: &[f64]) -> f64 {
 
 fn reflect(mirror: &[f64], square: f64, column: &mut [f64]) {
     let product: f64 = mirror.iter().zip(&*column).map(|(a, b)| a * b).sum();
-    let factor = 2.0 * product / square;
-    for (value, across) in column.iter_mut().zip(mirror) {
-        *value -= factor * across;
-    }
+    sums::add(column, -2.0 * product / square, mirror);
 }
 
 #[cfg(test)]

@@ -29,9 +29,7 @@ impl LeastSquares {
         let coefficients = factor.solve(&right);
         let mut residuals = readings.to_vec();
         for (column, coefficient) in columns.iter().zip(&coefficients) {
-            for (rest, value) in residuals.iter_mut().zip(column) {
-                *rest -= coefficient * value;
-            }
+            sums::add(&mut residuals, -coefficient, column);
         }
         Some(LeastSquares {
             columns,
@@ -48,20 +46,12 @@ impl LeastSquares {
 
     /// Noise of the readings, as the residuals show it.
     pub fn noise(&self) -> Autoregression {
-        let (n, p) = (self.residuals.len() as f64, self.columns.len() as f64);
-        Autoregression::from_sums(self.square(), sums::lagged(&self.residuals), n, p)
+        Autoregression::of(&self.residuals, self.columns.len())
     }
 
     /// The weights of the readings in the combination SUM c_k coefficient_k.
     pub fn weights(&self, combination: &[f64]) -> Vec<f64> {
-        let by = self.factor.solve(combination);
-        let mut weights = vec![0.0; self.residuals.len()];
-        for (column, factor) in self.columns.iter().zip(by) {
-            for (weight, value) in weights.iter_mut().zip(column) {
-                *weight += factor * value;
-            }
-        }
-        weights
+        sums::combined(&self.columns, &self.factor.solve(combination))
     }
 
     /// Entry k, k of the inverse of the normal matrix: variance of a coefficient under white noise of variance 1.

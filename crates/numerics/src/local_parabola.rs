@@ -197,10 +197,7 @@ impl Course {
                 *sum += weight * power * y;
             }
         }
-        let mut normal = Symmetric::zero(3);
-        for at in 0..9 {
-            normal.add(at / 3, at % 3, powers[at / 3 + at % 3]);
-        }
+        let normal = Symmetric::from_fn(3, |a, b| powers[a + b]);
         let found = normal.solve(&right, 1e-12);
         let inverse = normal.inverse(1e-12);
         let left: Vec<f64> = u

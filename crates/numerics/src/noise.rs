@@ -14,6 +14,16 @@ pub struct LocalScatter {
     pub window: usize,
 }
 
+impl LocalScatter {
+    /// The same as a first-order autoregression.
+    pub fn noise(&self) -> Autoregression {
+        Autoregression {
+            variance: self.standard_deviation.powi(2),
+            correlation: self.correlation,
+        }
+    }
+}
+
 /// Scatter about local parabolas: the series is cut into windows, a parabola over the index is taken out of
 /// each, and the middle 60 % of the windows by scatter are averaged, so that neither a transient nor a
 /// stretch in which a coarse converter shows one step only decides. `series` are stretches without a jump.

@@ -5,6 +5,7 @@
 //! shared (restricted maximum likelihood, Patterson and Thompson 1971).
 
 use crate::least_squares::Local;
+use crate::sums::dot;
 use crate::symmetric::Symmetric;
 
 /// What one set of measurements says of its parameters: how its sum of squares, in variances of the noise, goes with them.
@@ -22,7 +23,6 @@ impl Form {
     /// From the slope of half of the sum of squares at a place.
     pub fn of(at: &[f64], slope: &Local) -> Form {
         let bend = slope.normal.times(at);
-        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
         Form {
             at_origin: slope.square + dot(&bend, at) + 2.0 * dot(&slope.descent, at),
             pull: bend.iter().zip(&slope.descent).map(|(b, d)| b + d).collect(),
@@ -107,8 +107,7 @@ impl Shared {
 
     /// Least sum of squares.
     pub fn least(&self) -> f64 {
-        let best = self.precision.solve(&self.pull, 1e-14);
-        self.square - best.iter().zip(&self.pull).map(|(x, p)| x * p).sum::<f64>()
+        self.square - dot(&self.precision.solve(&self.pull, 1e-14), &self.pull)
     }
 
     /// Logarithm of the evidence, but for a constant: what is shared is known to `known_before`, a precision, and integrated

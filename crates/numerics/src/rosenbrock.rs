@@ -7,6 +7,8 @@
 
 use thiserror::Error;
 
+use super::sums::add;
+
 const GAMMA: f64 = 0.25;
 const NODES: [f64; 6] = [0.0, 0.386, 0.21, 0.63, 1.0, 1.0];
 /// Weights of the derivative by time.
@@ -258,14 +260,6 @@ impl Rosenbrock {
             worst = worst.max(error.abs() / (self.relative * size + self.absolute));
         }
         if finite { worst } else { f64::INFINITY }
-    }
-}
-
-fn add(to: &mut [f64], weight: f64, values: &[f64]) {
-    if weight != 0.0 {
-        for (to, value) in to.iter_mut().zip(values) {
-            *to += weight * value;
-        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Sums over long columns in eight running parts: fast, of small rounding, and the same on every machine.
+//! Sums over long columns in eight running parts: fast, of small rounding, and the same on every machine; and sums of columns.
 
 /// Running parts of a sum.
 pub(super) const LANES: usize = 8;
@@ -38,6 +38,24 @@ pub fn sum(a: &[f64]) -> f64 {
     over_pairs(a, a, |a, _| a)
 }
 
+/// Mean, summed in order; 0 of none.
+pub fn mean(a: &[f64]) -> f64 {
+    a.iter().sum::<f64>() / a.len().max(1) as f64
+}
+
+/// Standard deviation of values about their mean, with one less than their number.
+pub fn standard_deviation(a: &[f64]) -> f64 {
+    let mean = mean(a);
+    let square: f64 = a.iter().map(|value| (value - mean).powi(2)).sum();
+    (square / (a.len() as f64 - 1.0)).sqrt()
+}
+
+/// What each value is above the mean of all.
+pub fn about_mean(a: &[f64]) -> Vec<f64> {
+    let mean = mean(a);
+    a.iter().map(|value| value - mean).collect()
+}
+
 /// `SUM a_k^2`.
 pub fn square(a: &[f64]) -> f64 {
     over_pairs(a, a, |a, _| a * a)
@@ -51,6 +69,23 @@ pub fn square_about(a: &[f64], centre: f64) -> f64 {
 /// `SUM a_k a_(k+1)`.
 pub fn lagged(a: &[f64]) -> f64 {
     if a.is_empty() { 0.0 } else { dot(a, &a[1..]) }
+}
+
+/// Adds `factor` times a column, over the shorter of the two.
+#[inline]
+pub fn add(to: &mut [f64], factor: f64, column: &[f64]) {
+    for (to, value) in to.iter_mut().zip(column) {
+        *to += factor * value;
+    }
+}
+
+/// The sum of columns of one length, each times its factor; of none when there is none.
+pub fn combined(columns: &[Vec<f64>], factors: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
+    for (column, factor) in columns.iter().zip(factors) {
+        add(&mut sum, *factor, column);
+    }
+    sum
 }
 
 /// Least `a_k - b_k` over the shorter of two columns; infinite where there is none.

@@ -66,9 +66,24 @@ impl Symmetric {
         (0..self.order).map(|row| x[row] * of_row(row)).sum()
     }
 
+    /// Standard error of coordinate `k`, where this is a covariance; 0 where rounding left nothing of its variance.
+    pub fn error(&self, k: usize) -> f64 {
+        self.get(k, k).max(0.0).sqrt()
+    }
+
+    /// The same of what goes with the coordinates by this gradient.
+    pub fn error_along(&self, gradient: &[f64]) -> f64 {
+        self.form(gradient, gradient).max(0.0).sqrt()
+    }
+
     /// The rows and columns in `keep`.
     pub fn part(&self, keep: &[usize]) -> Symmetric {
         Symmetric::from_fn(keep.len(), |row, column| self.get(keep[row], keep[column]))
+    }
+
+    /// So many rows and columns, from the first.
+    pub fn first(&self, count: usize) -> Symmetric {
+        Symmetric::from_fn(count, |row, column| self.get(row, column))
     }
 
     /// Product of two symmetric matrices with a third between them: `self * middle * self`.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::complex::Complex;
 use super::harmonic::harmonic;
+use super::sums::mean;
 
 /// Half periods of one wave differ by at most this part: what is set at a source is kept to far less, and crossings of
 /// readings with noise are known to a percent.
@@ -181,7 +182,7 @@ pub fn recognise(time_s: &[f64], values: &[f64], turns: &[usize]) -> Waveform {
         .windows(2)
         .map(|pair| 0.5 * (values[pair[1]] - values[pair[0]]).abs())
         .collect();
-    let amplitude = heights.iter().sum::<f64>() / heights.len() as f64;
+    let amplitude = mean(&heights);
     if let Some(period_s) = even_period_s(&crossings) {
         let (first, last) = (turns[0], turns[turns.len() - 1]);
         return periodic(

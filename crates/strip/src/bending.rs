@@ -1,6 +1,7 @@
 //! How far a strip has bent since it stood in its initial shape, in millimetres and per centimetre.
 
 use ieap_domain::number::fixed;
+use ieap_numerics::line::golden;
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -230,23 +231,13 @@ impl Initial {
                 .sum();
             (square / LINKS as f64).sqrt()
         };
-        // Golden section about the mean: the distance has one bottom there.
+        // About the mean the distance has one bottom.
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let spread = values
             .iter()
             .map(|value| (value - mean).abs())
             .fold(1e-9, f64::max);
-        let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut low, mut high) = (mean - spread, mean + spread);
-        for _ in 0..40 {
-            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-            if distance(a) < distance(b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        distance(0.5 * (low + high))
+        distance(golden(distance, mean - spread, mean + spread))
     }
 }
 

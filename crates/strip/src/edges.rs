@@ -9,6 +9,7 @@ use super::gray::Gray;
 use super::ground::{Ground, median};
 use super::steady::running_median;
 use super::thickness;
+use ieap_numerics::sums::mean;
 
 /// Distance between readings along a normal, pixels.
 pub const SPACING: f64 = 0.5;
@@ -191,11 +192,6 @@ impl Profile {
     fn reach(&self) -> f64 {
         self.half as f64 * SPACING
     }
-}
-
-/// Mean of some readings.
-pub fn mean(part: &[f64]) -> f64 {
-    part.iter().sum::<f64>() / part.len() as f64
 }
 
 /// Whether the normal at a place lies in the picture.

@@ -1,10 +1,11 @@
 //! Where the strip ends.
 
 use super::curve::Curve;
-use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING, mean};
+use super::edges::{COVERED, Edges, MARGIN, OUTER, SPACING};
 use super::gray::Gray;
 use super::ground::{Ground, biweight, median};
 use ieap_numerics::robust::sd_about_median;
+use ieap_numerics::sums::mean;
 use ieap_numerics::symmetric::Symmetric;
 
 /// No end is known better than this, pixels.
@@ -79,7 +80,7 @@ fn foremost(ends: &[(f64, f64)], reach: f64) -> (f64, f64) {
             }
         }
         terms = normal.solve(&right, 1e-9);
-        error = scale * normal.inverse(1e-9).get(0, 0).max(0.0).sqrt();
+        error = scale * normal.inverse(1e-9).error(0);
     }
     if (terms[0] - level).abs() < 1.5 * reach {
         (terms[0], error.max(LEAST_ERROR))

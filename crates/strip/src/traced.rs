@@ -74,10 +74,7 @@ impl Trace {
         let (first, weights) = self.curve.curvature.weights(s);
         let mut row = [0.0; PARAMETERS];
         row[2 + first..2 + first + 4].copy_from_slice(&weights);
-        (
-            -self.curve.curvature.at(s),
-            self.covariance.form(&row, &row).max(0.0).sqrt(),
-        )
+        (-self.curve.curvature.at(s), self.covariance.error_along(&row))
     }
 
     /// Mean curvature over the length, and its standard error, 1/pixel.
@@ -96,7 +93,7 @@ impl Trace {
             .zip(&self.curve.curvature.coefficients)
             .map(|(w, c)| w * c)
             .sum();
-        (-mean, self.covariance.form(&row, &row).max(0.0).sqrt())
+        (-mean, self.covariance.error_along(&row))
     }
 
     /// Standard error of the tip's place across the strip, pixels.
@@ -107,7 +104,7 @@ impl Trace {
         self.curve.derivatives(|k, moved| {
             if k == last {
                 let row: [f64; PARAMETERS] = std::array::from_fn(|p| moved[p].0 * nx + moved[p].1 * ny);
-                error = self.covariance.form(&row, &row).max(0.0).sqrt();
+                error = self.covariance.error_along(&row);
             }
         });
         error

@@ -2,7 +2,9 @@
 
 use super::policy::{APART, FEWEST_FOR_RELAXATION, LONGEST_TIME_CONSTANT, MOST_POINTS, SECOND_GAIN};
 use super::relaxation::Stretch;
+use ieap_numerics::line::halved;
 use ieap_numerics::linear::LeastSquares;
+use ieap_numerics::sums::mean;
 
 /// Trial time constants of one exponential, and of each of two.
 const TRIALS: usize = 120;
@@ -46,7 +48,6 @@ impl Points {
             ));
         }
         let block = count.div_ceil(MOST_POINTS);
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let times = stretch.time_s[first..end].chunks_exact(block);
         let since_s: Vec<f64> = times.map(|t| mean(t) - stretch.begun.middle_s()).collect();
         let length_s = since_s[since_s.len() - 1] - since_s[0];
@@ -190,13 +191,7 @@ impl Points {
         while outside < 64.0 && at(outside).is_some() {
             (inside, outside) = (outside, 2.0 * outside);
         }
-        for _ in 0..12 {
-            let middle = 0.5 * (inside + outside);
-            match at(middle) {
-                Some(_) => inside = middle,
-                None => outside = middle,
-            }
-        }
+        (inside, _) = halved(inside, outside, 12, |length| at(length).is_some());
         let parts = (1..=RAY_PARTS).map(|k| inside * f64::from(k) / f64::from(RAY_PARTS));
         parts.filter_map(at).collect()
     }

@@ -6,6 +6,7 @@ use ieap_domain::Edge;
 use ieap_domain::Estimate;
 use ieap_domain::number::seconds::duration;
 use ieap_domain::quantiles::NORMAL_95;
+use ieap_numerics::line::halved;
 use ieap_numerics::student::quantile_95;
 
 /// A fitted relaxation: `asymptote + SUM amplitude e^(-(t - start)/tau)`.
@@ -150,19 +151,11 @@ fn time_to_equilibrium(trial: &Trial, points: &Points, before: f64) -> f64 {
     let left = |since_s: f64| points.rest(trial, since_s).abs();
     let slowest_s = trial.taus_s.iter().copied().fold(0.0, f64::max);
     // Terms of one sign fall steadily, so that halving finds the place, before the first point too.
-    let (mut low, mut high) = (0.0, points.since_s[0] + 40.0 * slowest_s);
-    if left(low) <= within {
-        return low;
+    if left(0.0) <= within {
+        return 0.0;
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if left(middle) > within {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    high
+    let far_s = points.since_s[0] + 40.0 * slowest_s;
+    halved(0.0, far_s, 60, |since_s| left(since_s) > within).1
 }
 
 fn equilibrium_time(

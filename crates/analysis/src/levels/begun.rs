@@ -5,6 +5,7 @@
 //! describe the readings (an average over models, Hoeting et al., Statistical Science 14, 382, 1999).
 
 use ieap_numerics::linear::LeastSquares;
+use ieap_numerics::sums::{self, mean};
 
 use super::policy::{
     FASTER, FEWEST_TO_BEGIN, MOST_TO_BEGIN, MOST_UNSEEN, PLACES, READINGS_TO_BEGIN, RESOLVED, SEEN, SHORTEST,
@@ -186,7 +187,6 @@ impl First<'_> {
     /// where the current is that of a resistor all the time, so that all that was stored passed unseen.
     fn unseen(&self) -> f64 {
         let (from, to) = self.amperes.split_at(self.amperes.len() / 2);
-        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len().max(1) as f64;
         let error = self.noise * (4.0 * self.memory / self.amperes.len() as f64).sqrt();
         if (mean(from) - mean(to)).abs() < TOLD * error {
             return self.step.signum() * f64::INFINITY;
@@ -284,24 +284,20 @@ impl Average {
     }
 
     fn add(&mut self, chance: f64, fit: &LeastSquares, combination: &[f64]) {
-        let value = ieap_numerics::sums::dot(&fit.coefficients, combination);
+        let value = sums::dot(&fit.coefficients, combination);
         // The running mean keeps the digits of a small scatter.
         let off = value - self.mean;
         self.chance += chance;
         self.mean += off * chance / self.chance;
         self.square += chance * off * (value - self.mean);
-        for (own, part) in self.combination.iter_mut().zip(combination) {
-            *own += chance * part;
-        }
+        sums::add(&mut self.combination, chance, combination);
     }
 
     /// The weights of the model whose places have been added.
     fn weigh(&mut self, fit: &LeastSquares) {
         let combination = std::mem::take(&mut self.combination);
         let weights = fit.weights(&combination[..fit.coefficients.len()]);
-        for (own, weight) in self.weights.iter_mut().zip(weights) {
-            *own += weight;
-        }
+        sums::add(&mut self.weights, 1.0, &weights);
     }
 
     fn known(self) -> Known {

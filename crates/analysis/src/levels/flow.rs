@@ -8,6 +8,7 @@ use ieap_numerics::linear::{LeastSquares, variance_of_sum};
 use ieap_numerics::local_parabola::MOST_GOES_ON;
 use ieap_numerics::noise::{LocalScatter, local_scatter};
 use ieap_numerics::robust::sd_on_a_slope;
+use ieap_numerics::sums;
 
 use super::begun::{Begun, First, Known};
 use super::charge::Place;
@@ -130,9 +131,7 @@ impl Flow {
             (t.len() - after.weights.len(), &after),
         ];
         for (from, of) in parts {
-            for (own, weight) in weights[from..].iter_mut().zip(&of.weights) {
-                *own += weight;
-            }
+            sums::add(&mut weights[from..], 1.0, &of.weights);
         }
         let charge = Charge {
             value: begun.charge.value + middle.value + after.value,

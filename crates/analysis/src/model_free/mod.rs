@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use ieap_domain::quantiles::NORMAL_95;
 use ieap_domain::{Channel, Drive, Estimate, Quantity, RunRecord, Sample};
+use ieap_numerics::line::edge;
 use ieap_numerics::local_parabola::{Course, Local, MOST_GOES_ON};
 use ieap_numerics::noise::scatter_between;
 
@@ -369,17 +370,10 @@ impl Seen<'_> {
     /// Where a number of the course crosses zero between two places, and how far that is known, where what it is held
     /// against has an error, too.
     fn crossing(&self, (from, to): (usize, usize), error: f64, of: &dyn Fn(&Local) -> f64) -> (f64, f64) {
-        let (mut low, mut high) = (self.places[from].0, self.places[to].0);
         let starts_above = of(&self.places[from].1) > 0.0;
-        for _ in 0..24 {
-            let middle = 0.5 * (low + high);
-            if (of(&self.course.at(middle)) > 0.0) == starts_above {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        let (u, local) = (0.5 * (low + high), self.course.at(0.5 * (low + high)));
+        let is_before = |u: f64| (of(&self.course.at(u)) > 0.0) == starts_above;
+        let u = edge(self.places[from].0, self.places[to].0, 24, is_before);
+        let local = self.course.at(u);
         // The slope between the places: that of one parabola may be none by chance.
         let (a, b) = (from.saturating_sub(2), (to + 2).min(PLACES - 1));
         let slope = (self.places[b].1.level - self.places[a].1.level) / (self.places[b].0 - self.places[a].0);

@@ -9,8 +9,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use ieap_numerics::chance::f_chance;
-use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::grouped::Grouped;
 use ieap_numerics::interrupt;
+use ieap_numerics::sums::dot;
 
 /// What was answered.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,8 +10,9 @@ use crate::monitoring::fitted::{self, Fitted, Interval, Material};
 use crate::monitoring::policy::{AS_GOOD, STEP_PAID, STEP_SIDE};
 use crate::monitoring::shape::{Bend, Law, progress};
 use ieap_numerics::correlation::Autoregression;
-use ieap_numerics::grouped::{Grouped, dot, shared_variance};
+use ieap_numerics::grouped::{Grouped, shared_variance};
 use ieap_numerics::student::quantile_95;
+use ieap_numerics::sums::dot;
 
 /// Laws of a trend, the plainest first.
 const TRENDS: [Law; 5] = [

@@ -2,8 +2,10 @@
 
 use super::policy::{AS_GOOD, LARGEST};
 use super::shape::{self, Bend, Law, Span, at_progress, is_of_amounts, progress};
-use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::grouped::Grouped;
+use ieap_numerics::line::{edge, golden};
 use ieap_numerics::student::quantile_95;
+use ieap_numerics::sums::dot;
 
 /// Times that the bends about the best one are looked at more finely.
 const FINER: usize = 2;
@@ -201,54 +203,23 @@ impl Shape {
             .map(|size| (size, square(size)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map_or(0.0, |(size, _)| size);
-        let size = golden(&square, start - 0.5, start + 0.5);
+        let size = golden(square, start - 0.5, start + 0.5);
         (size, square(size))
     }
-}
-
-/// Smallest value of `of` between `low` and `high` by the golden section.
-fn golden(of: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let ratio = 0.5 * (5f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_a, mut at_b) = (of(a), of(b));
-    for _ in 0..36 {
-        if at_a < at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - ratio * (high - low);
-            at_a = of(a);
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + ratio * (high - low);
-            at_b = of(b);
-        }
-    }
-    0.5 * (low + high)
 }
 
 /// Where the profile reaches `allowed` in one direction; none where it does not within [`LARGEST`].
 fn end(profile: &dyn Fn(f64) -> f64, from: f64, direction: f64, allowed: f64) -> Option<f64> {
     let (mut inside, mut step) = (from, 1e-4_f64);
-    let outside = loop {
+    while step <= 2.0 * LARGEST {
         let next = from + direction * step;
         if profile(next) > allowed {
-            break next;
+            return Some(edge(inside, next, 30, |size| profile(size) <= allowed));
         }
         inside = next;
         step *= 1.7;
-        if step > 2.0 * LARGEST {
-            return None;
-        }
-    };
-    let mut outside = outside;
-    for _ in 0..30 {
-        let middle = 0.5 * (inside + outside);
-        if profile(middle) > allowed {
-            outside = middle
-        } else {
-            inside = middle
-        }
     }
-    Some(0.5 * (inside + outside))
+    None
 }
 
 fn bend_interval(

@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::series::Series;
 use crate::monitoring::fitted::Interval;
 use crate::monitoring::policy::STEP_PAID;
-use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::grouped::Grouped;
 use ieap_numerics::student::{quantile_95, two_sided_chance};
+use ieap_numerics::sums::dot;
 
 /// A difference of two means.
 #[derive(Debug, Clone, Copy, PartialEq)]

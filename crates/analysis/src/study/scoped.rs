@@ -10,8 +10,9 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use ieap_numerics::grouped::{Grouped, dot};
+use ieap_numerics::grouped::Grouped;
 use ieap_numerics::mixed::Estimated;
+use ieap_numerics::sums::dot;
 
 use super::measured::{Measured, Row, Value, distinct, model, one_of};
 use super::policy::{LEAST_ERROR, MOST_STRIPS, ONE_SLOPE};

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord, Tag};
+use ieap_numerics::sums::mean;
 
 use super::doubt::{Doubt, KEYS};
 use crate::conditions::{HUMIDITY_GAP_PERCENT, VOLTAGE_STEP_V};
@@ -102,10 +103,6 @@ fn log_odds(
 fn value(run: &RunRecord, parameter: &str) -> Option<f64> {
     let estimate = usable(run, parameter).filter(|estimate| !estimate.at_bound)?;
     Some(estimate.value?.abs().ln()).filter(|log| log.is_finite())
-}
-
-fn mean(of: &[f64]) -> f64 {
-    of.iter().sum::<f64>() / of.len() as f64
 }
 
 /// Whether a witness is of the stated value, and in all else as the run.

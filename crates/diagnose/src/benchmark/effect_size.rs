@@ -3,9 +3,8 @@
 use ieap_domain::Drive;
 use ieap_model::LumpedModel;
 use ieap_model::extended::Responses;
+use ieap_numerics::least_squares::Local;
 use ieap_numerics::sums::dot;
-
-use ieap_numerics::symmetric::Symmetric;
 
 /// Relative step of the difference quotients.
 const STEP: f64 = 1e-5;
@@ -91,15 +90,8 @@ pub fn base_columns(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise
 
 /// Gauss-Newton step in the logarithms of the base parameters.
 fn step(model: &LumpedModel, design: &[DesignRun], noise: KnownNoise, left: &[f64]) -> Vec<f64> {
-    let columns = base_columns(model, design, noise);
-    let mut normal = Symmetric::zero(columns.len());
-    for (a, x) in columns.iter().enumerate() {
-        for (b, y) in columns.iter().enumerate() {
-            normal.add(a, b, dot(x, y));
-        }
-    }
-    let right: Vec<f64> = columns.iter().map(|column| dot(column, left)).collect();
-    normal.solve(&right, 1e-12)
+    let told = Local::of(left, &base_columns(model, design, noise));
+    told.normal.solve(&told.descent, 1e-12)
 }
 
 fn of_base(base: &LumpedModel, design: &[DesignRun], noise: KnownNoise) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Where the search for one more effect beside a fitted model begins.
 
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, peak};
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::fitted::Fitted;
@@ -72,7 +72,7 @@ impl<'a, 'g> ExtendedStart<'a, 'g> {
             .map(|column| times * dot(column, signature.change()))
             .collect();
         let shift = self.normal.solve(&right, 1e-10);
-        let most = shift.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        let most = peak(&shift);
         let scale = FARTHEST / most.max(FARTHEST);
         shift.iter().map(|shift| scale * shift).collect()
     }

@@ -150,13 +150,10 @@ fn knowledge(extended: &Fitted, wider: f64, quantile: f64) -> BaseKnowledge {
         k if k < 2 * n => (n + order[k - n], 1.0),
         k => (k, units[k - 2 * n]),
     };
-    let mut covariance = Symmetric::zero(len);
-    for a in 0..len {
-        for b in 0..len {
-            let ((i, by_i), (j, by_j)) = (coordinate(a), coordinate(b));
-            covariance.add(a, b, wider * wider * by_i * by_j * inverse.get(i, j));
-        }
-    }
+    let covariance = Symmetric::from_fn(len, |a, b| {
+        let ((i, by_i), (j, by_j)) = (coordinate(a), coordinate(b));
+        wider * wider * by_i * by_j * inverse.get(i, j)
+    });
     BaseKnowledge {
         branches: n,
         local,

@@ -198,9 +198,11 @@ impl<'g> Fitted<'g> {
                 } else {
                     let place = first;
                     first += 1;
-                    let sd = wider * inverse.get(place, place).max(0.0).sqrt();
-                    estimate(value, sd, quantile, free_effect.slope(k, value), limits)
-                        .at_bound(self.problem.at_limit(place, self.at[place]))
+                    let sd = wider * inverse.error(place);
+                    Estimate {
+                        at_bound: self.problem.at_limit(place, self.at[place]),
+                        ..estimate(value, sd, quantile, free_effect.slope(k, value), limits)
+                    }
                 };
                 parameters.push(Parameter {
                     key: described.key.to_owned(),
@@ -257,36 +259,18 @@ impl<'g> Fitted<'g> {
     pub(crate) fn base_parameters(&self) -> Vec<(String, f64, f64)> {
         let (slope, _) = self.problem.slope(&self.at);
         let inverse = slope.normal.inverse(1e-12);
-        let sd = |k: usize| inverse.get(k, k).max(0.0).sqrt();
-        let base = self.base();
-        let n = base.branches.len();
-        let mut found = Vec::new();
-        for (place, &k) in self.branch_order().iter().enumerate() {
-            let (r, c) = (
-                base.branches[k].resistance_ohm_cm2,
-                base.branches[k].capacitance_f_per_cm2,
-            );
-            found.push((format!("r{}_ohm_cm2", place + 1), r, r * sd(k)));
-            found.push((format!("c{}_f_per_cm2", place + 1), c, c * sd(n + k)));
-        }
-        let rss = base.steady_state_resistance_ohm_cm2;
-        if rss.is_finite() {
-            found.push((
-                "rss_ohm_cm2".into(),
-                rss,
-                rss * sd(2 * n) / self.at[2 * n].max(1e-300),
-            ));
-        }
-        if self.problem.base_len() > 2 * n + 1 {
-            let unit = |k: usize, value: f64| sd(k) * (value / self.at[k]).abs();
-            let alpha = base.charge_to_curvature_per_c_cm;
-            found.push(("alpha_per_c_cm".into(), alpha, unit(2 * n + 1, alpha)));
-            let lambda = base.relaxation_rate_per_s;
-            if lambda > 0.0 {
-                found.push(("lambda_per_s".into(), lambda, unit(2 * n + 2, lambda)));
-            }
-        }
-        found
+        let order = self.branch_order();
+        let n = order.len();
+        let branches = order.iter().flat_map(|&k| [k, n + k]);
+        let found = |k: usize| {
+            let (value, error) = self.base_value(k, self.at[k], inverse.error(k))?;
+            let is_there = k < 2 * n + 2 || value > 0.0;
+            is_there.then(|| (self.base_key(k), value, error))
+        };
+        branches
+            .chain(2 * n..self.problem.base_len())
+            .filter_map(found)
+            .collect()
     }
 }
 
@@ -319,15 +303,4 @@ fn estimate(value: f64, sd: f64, quantile: f64, slope: f64, limits: Limits) -> E
         return Estimate::not_determined("its 95 % interval would be wider than all values that make sense");
     }
     Estimate::determined(value, sd * slope.abs(), value - half, value + half)
-}
-
-trait AtBound {
-    fn at_bound(self, is: bool) -> Self;
-}
-
-impl AtBound for Estimate {
-    fn at_bound(mut self, is: bool) -> Estimate {
-        self.at_bound = is;
-        self
-    }
 }

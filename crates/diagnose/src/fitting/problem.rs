@@ -5,7 +5,7 @@ use ieap_model::effects::{Applied, Effect, Limits};
 use ieap_model::extended::ExtendedModel;
 use ieap_model::{Branch, LumpedModel};
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{add, dot};
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::policy::REACH;
@@ -355,11 +355,7 @@ impl<'g> ExtendedProblem<'g> {
         self.residuals(at, &mut here);
         let mut by_resistance = vec![0.0; here.len()];
         for k in 0..self.branches {
-            let column = self.column(at, k, &here);
-            by_resistance
-                .iter_mut()
-                .zip(column)
-                .for_each(|(sum, own)| *sum += own);
+            add(&mut by_resistance, 1.0, &self.column(at, k, &here));
         }
         let by_size = if self.bends {
             self.column(at, 2 * self.branches + 1, &here)

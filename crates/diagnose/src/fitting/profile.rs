@@ -63,7 +63,7 @@ pub(crate) fn profiles(group: &RunGroup, fitted: &Fitted) -> Vec<StrengthProfile
     }
     let of = |which: Which| {
         let place = which.place;
-        let sd = inverse.get(place, place).max(0.0).sqrt();
+        let sd = inverse.error(place);
         let shift: Vec<f64> = (0..fitted.at.len())
             .map(|k| inverse.get(k, place) / (sd * sd))
             .collect();

@@ -1,6 +1,7 @@
 //! Sizes of the data and of a fitted model.
 
 use ieap_model::effects::Scale;
+use ieap_numerics::sums::peak;
 
 use crate::fitting::problem::ExtendedProblem;
 use crate::readings::group::RunGroup;
@@ -24,7 +25,6 @@ pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> 
         curvature_per_cm: 0.0,
         charge_c: 0.0,
     };
-    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     for (index, run) in group.runs.iter().enumerate() {
         let [current_a, curvature_per_cm] = run.fitted(&model, &run.context(index, None));
         scale.current_a = scale.current_a.max(peak(&current_a));

@@ -1,6 +1,6 @@
 //! What the parameters of a model can take up: the span of its Jacobian.
 
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{add, dot};
 
 /// A column whose part beyond the columns before it is smaller than this adds nothing.
 pub(crate) const DEPENDENT: f64 = 1e-7;
@@ -46,9 +46,7 @@ impl Tangent {
     pub(crate) fn remove(&self, series: &mut [f64]) {
         for direction in &self.basis {
             let part = dot(direction, series);
-            for (value, d) in series.iter_mut().zip(direction) {
-                *value -= part * d;
-            }
+            add(series, -part, direction);
         }
     }
 }

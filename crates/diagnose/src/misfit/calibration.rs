@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use ieap_fit::{FoundAgain, NoiseAgain, Pair, Scaled};
 use ieap_numerics::interrupt;
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, mean, standard_deviation};
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::fitting::tangent::Tangent;
@@ -63,13 +63,10 @@ impl Calibration {
             .into_par_iter()
             .map(|draw| normal.inverse_cdf(simulation.p(asked, draw).clamp(1e-12, 1.0 - 1e-12)))
             .collect();
-        let n = scores.len() as f64;
-        let mean = scores.iter().sum::<f64>() / n;
-        let square: f64 = scores.iter().map(|z| (z - mean).powi(2)).sum();
         Calibration {
-            mean,
-            standard_deviation: (square / (n - 1.0)).sqrt().max(0.1),
-            draws: n,
+            mean: mean(&scores),
+            standard_deviation: standard_deviation(&scores).max(0.1),
+            draws: scores.len() as f64,
         }
     }
 
@@ -189,12 +186,7 @@ impl Simulation {
             let blocks = found.iter().zip(pairs);
             blocks.map(|(found, pair)| found.product(pair)).sum()
         };
-        let mut normal = Symmetric::zero(self.normal.len());
-        for (row, products) in self.normal.iter().enumerate() {
-            for (column, pairs) in products.iter().enumerate() {
-                normal.add(row, column, product(pairs));
-            }
-        }
+        let normal = Symmetric::from_fn(self.normal.len(), |a, b| product(&self.normal[a][b]));
         let inverse = normal.inverse(SINGULAR);
         let gain = |(place, direction): (usize, &Direction)| {
             let absorbed: Vec<f64> = self.absorbed[place].iter().map(&product).collect();

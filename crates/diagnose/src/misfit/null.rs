@@ -7,7 +7,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use ieap_numerics::interrupt;
 use ieap_numerics::products::{gram, products};
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, mean};
 
 use crate::fitting::tangent::Tangent;
 use crate::misfit::calibration::Calibration;
@@ -135,15 +135,7 @@ impl Null {
             .zip(&scores)
             .map(|(Drawn { unit, sizes, line }, scores)| {
                 interrupt::check();
-                let square = |k: usize| {
-                    let z = scores[k];
-                    let size: f64 = shares[k]
-                        .iter()
-                        .zip(sizes)
-                        .map(|(share, size)| share * size)
-                        .sum();
-                    (z, z * z * size)
-                };
+                let square = |k: usize| (scores[k], scores[k] * scores[k] * dot(&shares[k], sizes));
                 let mut found = Statistics::default();
                 for k in 0..timed_bins {
                     found.bin = found.bin.max(square(k).1);
@@ -159,14 +151,7 @@ impl Null {
                 }
                 found.candidate = largest(&gains);
                 found.mixture = mixture.log_ratio(&gains);
-                let of_pivot = |(&pivot, x): (&usize, &f64)| {
-                    let size: f64 = shares[pivot]
-                        .iter()
-                        .zip(sizes)
-                        .map(|(share, size)| share * size)
-                        .sum();
-                    x * x * size
-                };
+                let of_pivot = |(&pivot, x): (&usize, &f64)| x * x * dot(&shares[pivot], sizes);
                 found.together = pivots[..from_bins].iter().zip(unit).map(of_pivot).sum();
                 found.line = *line;
                 found
@@ -306,11 +291,10 @@ impl Tail {
         let first = draws.len() - (draws.len() as f64 * TAIL_PART) as usize;
         let from = draws.get(first.saturating_sub(1)).copied().unwrap_or(0.0);
         let excess: Vec<f64> = draws[first..].iter().map(|x| x - from).collect();
-        let mean_excess = excess.iter().sum::<f64>() / excess.len().max(1) as f64;
         Tail {
             sorted: draws,
             from,
-            mean_excess: mean_excess.max(f64::MIN_POSITIVE),
+            mean_excess: mean(&excess).max(f64::MIN_POSITIVE),
         }
     }
 

@@ -4,7 +4,7 @@
 use ieap_domain::CondemnedRun;
 use ieap_model::extended::ExtendedModel;
 use ieap_model::{FitModel, LumpedModel};
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{about_mean, dot};
 
 use crate::fitting::base_fit::of_each_run;
 use crate::misfit::policy::{
@@ -149,11 +149,6 @@ fn likeness(model: &ExtendedModel, index: usize, run: &GroupRun, channel: usize)
 
 fn cosine(one: &[f64], other: &[f64]) -> f64 {
     dot(one, other) / (dot(one, one) * dot(other, other)).sqrt()
-}
-
-fn about_mean(values: &[f64]) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    values.iter().map(|v| v - mean).collect()
 }
 
 #[cfg(test)]

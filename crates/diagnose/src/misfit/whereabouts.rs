@@ -4,6 +4,7 @@ use ieap_domain::number::seconds::span;
 use ieap_domain::number::{fixed, plain};
 use ieap_domain::words::in_a_row;
 use ieap_domain::{MisfitStretch, Whereabouts};
+use ieap_numerics::sums::peak;
 
 use crate::misfit::null::Null;
 use crate::misfit::policy::WRONG_BIN_SIGMAS;
@@ -59,7 +60,7 @@ fn unequal_edge_responses(group: &RunGroup, bins: &[ResidualBin], scores: &[f64]
     let (_, place, own) = most
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(excess, ..)| *excess > WRONG_BIN_SIGMAS)?;
-    let largest = own.iter().fold(0.0_f64, |most, z| most.max(z.abs()));
+    let largest = peak(&own);
     let block = &group.blocks[place];
     let run = &group.runs[block.run].given;
     let what = if run.input.drive.moves() {

@@ -144,7 +144,7 @@ impl Band {
         let own: Vec<f64> = (self.slopes.iter())
             .map(|slope| slope[place] - from.map_or(0.0, |from| slope[from]))
             .collect();
-        own.iter().zip(covariance.times(&own)).map(|(a, b)| a * b).sum()
+        covariance.form(&own, &own)
     }
 
     /// The places that the readings tell, as they are or, where that is asked, as changes from one of them, whichever are more.

@@ -32,7 +32,7 @@ use crate::readings::group::{RunGroup, RunInput, channel_name};
 use ieap_fit::left_out_in_words;
 use ieap_model::effects::effect;
 use ieap_numerics::random_effects::Spread;
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{dot, mean};
 
 const SPIKED_WORDS: &str =
     "More than one reading in twenty stands far off its neighbours: the readings allow no finding.";
@@ -288,11 +288,10 @@ impl<'g> FindingBuilder<'_, 'g> {
             let channel = self.group.channel(block)?;
             let character = channel.character();
             let rows = &self.residuals[block.first..block.end];
-            let mean = channel.standard_deviation().iter().sum::<f64>() / channel.len() as f64;
             Some(DiagnosisNoise {
                 run: self.group.runs[block.run].given.name.to_owned(),
                 channel: channel_name(block.channel).to_owned(),
-                standard_deviation: mean,
+                standard_deviation: mean(channel.standard_deviation()),
                 autoregression: character.autoregression,
                 correlation_time_s: character.correlation_time_s,
                 proportional: character.proportional,

@@ -4,6 +4,8 @@ use ieap_domain::number::fixed;
 use ieap_domain::number::seconds::seconds;
 use ieap_domain::{Drive, NextRun};
 use ieap_model::extended::ExtendedModel;
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::sums::{dot, mean};
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::policy::AS_GOOD;
@@ -119,7 +121,7 @@ fn after(
         .zip(&alike)
         .filter(|(_, row)| row.iter().any(|x| !*x))
         .map(|((id, _), _)| (*id).to_owned());
-    (sizes.iter().sum::<f64>() / sizes.len() as f64, splits.collect())
+    (mean(&sizes), splits.collect())
 }
 
 /// Sum of squares by which `rival`, refitted to old and new readings, would miss what `truth` gives on the new run.
@@ -134,8 +136,7 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
     let sizes: [f64; 2] = std::array::from_fn(|k| {
         let of_run = |run: &crate::readings::group::GroupRun| {
             let channel = run.channels[k].as_ref()?;
-            let mean = channel.standard_deviation().iter().sum::<f64>() / channel.len() as f64;
-            Some(mean * channel.readings_per_independent().sqrt())
+            Some(mean(channel.standard_deviation()) * channel.readings_per_independent().sqrt())
         };
         group
             .runs
@@ -155,7 +156,6 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
     let there = weighted(&truth.problem.model(&truth.at));
     let miss: Vec<f64> = there.iter().zip(&here).map(|(a, b)| a - b).collect();
     let (slope, _) = rival.tangent();
-    let mut normal: Symmetric = slope.normal;
     let columns: Vec<Vec<f64>> = (0..rival.at.len())
         .map(|k| {
             let mut at = rival.at.clone();
@@ -164,14 +164,9 @@ fn distance(group: &RunGroup, truth: &Fitted, rival: &Fitted, drive: &Drive, dur
             moved.iter().zip(&here).map(|(m, h)| (m - h) / 1e-4).collect()
         })
         .collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    for (a, left) in columns.iter().enumerate() {
-        for (b, right) in columns.iter().enumerate() {
-            normal.add(a, b, dot(left, right));
-        }
-    }
-    let right: Vec<f64> = columns.iter().map(|column| dot(column, &miss)).collect();
-    let step = normal.solve(&right, 1e-12);
-    let left = dot(&miss, &miss) - dot(&right, &step);
+    let told = Local::of(&miss, &columns);
+    let both = |a, b| slope.normal.get(a, b) + told.normal.get(a, b);
+    let step = Symmetric::from_fn(columns.len(), both).solve(&told.descent, 1e-12);
+    let left = told.square - dot(&told.descent, &step);
     if left.is_finite() { left } else { f64::INFINITY }
 }

@@ -7,6 +7,7 @@ use ieap_fit::{EdgeTimes, FitInput, FitOptions, WhitenedChannel, aligned, withou
 use ieap_model::effects::TagAt;
 use ieap_model::extended::{ExtendedModel, Grids, RunContext};
 use ieap_numerics::robust::median_step;
+use ieap_numerics::sums;
 
 use crate::readings::course::followed;
 use crate::readings::left_open::LeftOpen;
@@ -309,8 +310,8 @@ impl<'a> RunGroup<'a> {
     fn growth(&self, kind: usize, fitted: &[[Vec<f64>; 2]]) -> f64 {
         let peak = fitted
             .iter()
-            .flat_map(|fitted| &fitted[kind])
-            .fold(0.0_f64, |most, v| most.max(v.abs()));
+            .map(|fitted| sums::peak(&fitted[kind]))
+            .fold(0.0, f64::max);
         if peak <= 0.0 {
             return 0.0;
         }

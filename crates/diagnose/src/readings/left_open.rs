@@ -1,7 +1,7 @@
 //! What is not known of a run beyond the model of its group, taken out of whitened residuals: a change that an edge in another
 //! place between its two readings would make, or a parameter that scatters from run to run, says nothing against the model.
 
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{self, dot};
 
 /// Changes of a run's whitened rows by one standard deviation of what is not known of it, integrated out: their part of the
 /// residuals has the variance of the noise and of these together, and is brought back to that of the noise.
@@ -49,9 +49,7 @@ impl LeftOpen {
 /// Adds so many times what the rows hold of a unit direction.
 fn add(times: f64, direction: &[f64], rows: &mut [f64]) {
     let of_rows = times * dot(direction, rows);
-    rows.iter_mut()
-        .zip(direction)
-        .for_each(|(row, d)| *row += of_rows * d);
+    sums::add(rows, of_rows, direction);
 }
 
 #[cfg(test)]

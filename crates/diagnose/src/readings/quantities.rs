@@ -2,7 +2,9 @@
 
 use crate::readings::group::GroupRun;
 use crate::readings::policy::{END_PART, KNOWN_FROM_SIGMAS, READINGS_TOGETHER};
+use crate::readings::tolerance::passed;
 use ieap_fit::WhitenedChannel;
+use ieap_numerics::sums::mean;
 
 /// Names of the quantities, in the order of [`Predicted::relative_errors`].
 pub(crate) const NAMES: [&str; 5] = [
@@ -57,7 +59,7 @@ fn error(measured: f64, fitted: f64, least: f64) -> Option<f64> {
 
 /// Standard error of a mean of so many neighbouring readings.
 fn standard_error(channel: &WhitenedChannel, count: usize) -> f64 {
-    let single = channel.standard_deviation().iter().sum::<f64>() / channel.len().max(1) as f64;
+    let single = mean(channel.standard_deviation());
     let independent = count as f64 / channel.readings_per_independent();
     single / independent.max(1.0).sqrt()
 }
@@ -69,7 +71,6 @@ fn at_end(readings: usize) -> usize {
 
 /// Time and value of the largest mean of neighbouring readings, by size.
 fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let means = values
         .windows(READINGS_TOGETHER)
         .zip(time_s.windows(READINGS_TOGETHER));
@@ -82,14 +83,13 @@ fn peak(time_s: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 fn end(values: &[f64]) -> Option<f64> {
     let count = at_end(values.len());
     let last = values.get(values.len().checked_sub(count)?..)?;
-    Some(last.iter().sum::<f64>() / count as f64)
+    Some(mean(last))
 }
 
 /// Integral of the current, C.
 fn charge(time_s: &[f64], current_a: &[f64]) -> Option<f64> {
-    let pairs = time_s.windows(2).zip(current_a.windows(2));
-    let sum: f64 = pairs.map(|(t, i)| (t[1] - t[0]) * (i[0] + i[1]) / 2.0).sum();
-    (current_a.len() > READINGS_TOGETHER).then_some(sum)
+    let whole = || passed(time_s, current_a).last();
+    (current_a.len() > READINGS_TOGETHER).then(whole)?
 }
 
 /// Root mean square of each quantity's deviation over all runs, percent; none where no run tells.

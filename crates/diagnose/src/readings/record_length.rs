@@ -7,6 +7,7 @@ use ieap_fit::{FitOptions, fit_run, without_outliers};
 use ieap_model::FitModel;
 use ieap_numerics::robust::median_step;
 use ieap_numerics::student::quantile_95;
+use ieap_numerics::sums;
 
 use crate::readings::group::{GroupRun, RunGroup};
 use crate::readings::policy::{GROWN_FACTOR, LONGER_RECORD_FACTOR};
@@ -86,9 +87,8 @@ fn exponent(found: &[Described]) -> String {
         .map(|law| law.exponent)
         .collect();
     let count = each.len() as f64;
-    let mean = each.iter().sum::<f64>() / count;
-    let square: f64 = each.iter().map(|own| (own - mean).powi(2)).sum();
-    let off = quantile_95(count - 1.0) * (square / (count - 1.0) / count).sqrt();
+    let mean = sums::mean(&each);
+    let off = quantile_95(count - 1.0) * sums::standard_deviation(&each) / count.sqrt();
     format!(
         "{} (95 % interval {} to {}, from {} runs)",
         fixed(mean, 2),

@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use ieap_numerics::sums::{dot, square};
+use ieap_numerics::sums::{about_mean, add, dot, square};
 use ieap_numerics::symmetric::Symmetric;
 
 use super::contact_break::ContactBreak;
@@ -220,9 +220,7 @@ impl Asked {
                 .map(|k| self.inverse.get(row, k) * along[k])
                 .sum();
             for (rest, slope) in rest.iter_mut().zip(slope) {
-                rest.iter_mut()
-                    .zip(slope)
-                    .for_each(|(rest, slope)| *rest -= part * slope);
+                add(rest, -part, slope);
             }
         }
         rest
@@ -232,15 +230,11 @@ impl Asked {
         for ((column, pattern), times) in column.iter_mut().zip(&self.patterns).zip(&self.times) {
             let Some(pattern) = pattern else { continue };
             for (row, pattern) in column.chunks_exact_mut(*times).zip(pattern.chunks_exact(*times)) {
-                let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-                let (middle, level) = (mean(pattern), mean(row));
-                let shape: Vec<f64> = pattern.iter().map(|value| value - middle).collect();
-                row.iter_mut().for_each(|value| *value -= level);
+                let shape = about_mean(pattern);
+                row.copy_from_slice(&about_mean(row));
                 let norm = square(&shape);
                 let part = if norm > 0.0 { dot(row, &shape) / norm } else { 0.0 };
-                row.iter_mut()
-                    .zip(&shape)
-                    .for_each(|(value, shape)| *value -= part * shape);
+                add(row, -part, &shape);
             }
         }
         column

@@ -7,7 +7,7 @@
 //! as that of things does that change with the strip's shape.
 
 use super::policy::{FEWEST_FOR_COMMON, FEWEST_TIMES, LEAST_FREEDOM, WAVES};
-use ieap_numerics::sums::{dot, square};
+use ieap_numerics::sums::{add, dot, square};
 
 /// Rounds in which size and weights settle.
 const ROUNDS: usize = 30;
@@ -49,9 +49,7 @@ impl Waves {
         let mut rest = residuals.to_vec();
         for (wave, amplitudes) in self.waves.iter().zip(&self.amplitudes) {
             for (row, amplitude) in rest.chunks_exact_mut(wave.len()).zip(amplitudes) {
-                row.iter_mut()
-                    .zip(wave)
-                    .for_each(|(value, w)| *value -= amplitude * w);
+                add(row, -amplitude, wave);
             }
         }
         rest
@@ -116,10 +114,7 @@ impl CommonError {
         let times = self.waves[0].len();
         for (wave, variance) in self.waves.iter().zip(&self.variances) {
             for (out, row) in product.chunks_exact_mut(times).zip(column.chunks_exact(times)) {
-                let amplitude = variance * dot(row, wave);
-                out.iter_mut()
-                    .zip(wave)
-                    .for_each(|(out, w)| *out += amplitude * w);
+                add(out, variance * dot(row, wave), wave);
             }
         }
         product

@@ -39,7 +39,7 @@ impl ContactBreak {
     }
 
     fn half(&self, k: usize) -> f64 {
-        quantile_95(self.fitted.freedom) * self.fitted.covariance.get(k, k).max(0.0).sqrt()
+        quantile_95(self.fitted.freedom) * self.fitted.covariance.error(k)
     }
 
     /// As the model takes it.

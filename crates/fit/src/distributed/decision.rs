@@ -208,7 +208,7 @@ fn lumped_error(found: &Identified) -> Option<Bounded> {
     if fits_along {
         weights[3] = 1.0;
     }
-    let error = electrical.covariance.form(&weights, &weights).max(0.0).sqrt();
+    let error = electrical.covariance.error_along(&weights);
     let half = quantile_95(electrical.freedom) * error;
     let at = |log_factor: f64| {
         let mut moved = model;

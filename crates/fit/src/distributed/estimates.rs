@@ -85,7 +85,7 @@ pub(super) fn tells_electrodes(found: &Identified) -> bool {
     let alone: Vec<f64> = alone
         .map(|(w, inflation)| w / inflation.max(1.0).sqrt())
         .collect();
-    let error = fitted.covariance.form(&alone, &alone).max(0.0).sqrt();
+    let error = fitted.covariance.error_along(&alone);
     interval_rule::is_narrow_enough(quantile_95(fitted.freedom) * error)
 }
 
@@ -99,7 +99,7 @@ fn positive(fitted: &Fitted, index: usize, factor: f64) -> Estimate {
 /// A product of powers of parameters whose logarithms were fitted, and of `e^log_factor`.
 fn product(fitted: &Fitted, weights: &[f64], log_factor: f64) -> Estimate {
     let log: f64 = weights.iter().zip(&fitted.at).map(|(w, at)| w * at).sum();
-    let error = fitted.covariance.form(weights, weights).max(0.0).sqrt();
+    let error = fitted.covariance.error_along(weights);
     let half = quantile_95(fitted.freedom) * error;
     let value = (log + log_factor).exp();
     interval_rule::positive(value, error, half, [1.0, 1.0]).unwrap_or_else(|| {
@@ -115,7 +115,7 @@ fn steady(estimate: Estimate, fitted: &Fitted, width_cm: f64) -> Estimate {
     if estimate.value.is_some() {
         return estimate;
     }
-    let error = fitted.covariance.get(2, 2).max(0.0).sqrt();
+    let error = fitted.covariance.error(2);
     let low = (fitted.at[2] - quantile_95(fitted.freedom) * error).exp() * width_cm;
     if low.is_finite() && low > 0.0 {
         Estimate::above(low, interval_rule::NO_STEADY_CURRENT)
@@ -155,7 +155,7 @@ fn along(found: &Identified, estimate: Estimate) -> Estimate {
 /// readings hold against no resistance.
 fn along_below_ohm_per_sq(input: &DistributedInput, found: &Identified) -> Option<f64> {
     let fitted = &found.electrical;
-    let error = fitted.covariance.get(3, 3).max(0.0).sqrt();
+    let error = fitted.covariance.error(3);
     let mut tried = fitted.at[3].exp() * (1.0 + quantile_95(fitted.freedom) * error);
     let best = electrical::problem(input, &found.readings).square(&fitted.at);
     for _ in 0..6 {
@@ -181,7 +181,7 @@ fn mechanical_estimates(mechanical: Option<&Mechanical>, length_cm: f64) -> (Est
         return (none(), none(), none());
     };
     let quantile = quantile_95(found.fitted.freedom);
-    let error = found.fitted.covariance.get(0, 0).max(0.0).sqrt() * found.scale.abs();
+    let error = found.fitted.covariance.error(0) * found.scale.abs();
     let signed = |factor: f64| {
         let (value, error) = (found.mu_per_c * factor, error * factor);
         interval_rule::signed(value, error, quantile * error).unwrap_or_else(|| {

@@ -1,6 +1,7 @@
 //! Phase 3: mu and lambda from the curvatures, with the electrical parameters fixed and their uncertainty carried along.
 
 use ieap_domain::quantiles::CHI_SQUARE_95;
+use ieap_numerics::line::halved;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::described::{Described, model_of};
@@ -144,14 +145,7 @@ fn bound_of_rate(
     if problem.best_scale(&[1.0, low]).1 > limit {
         return None;
     }
-    let (mut inside, mut outside) = (low, fitted.at[1].max(low) + 12.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (inside + outside);
-        if problem.best_scale(&[1.0, middle]).1 <= limit {
-            inside = middle
-        } else {
-            outside = middle
-        }
-    }
+    let is_within = |rate: f64| problem.best_scale(&[1.0, rate]).1 <= limit;
+    let (_, outside) = halved(low, fitted.at[1].max(low) + 12.0, 40, is_within);
     Some(outside.exp())
 }

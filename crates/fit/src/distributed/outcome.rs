@@ -3,6 +3,7 @@
 use ieap_domain::thinning::{DRAWN_BUCKETS, drawn_indices};
 use ieap_domain::{ChannelNoise, Fit, NoiseCharacter, Quantity, RunCurve};
 use ieap_numerics::correlation::lag_one;
+use ieap_numerics::sums::{mean, square_about};
 
 use super::contact_break::ContactBreak;
 use super::decision::Decision;
@@ -63,13 +64,12 @@ fn r_squared(fitted: &[(&SeriesGroup, Vec<f64>)], kind: Kind) -> Option<f64> {
     for (group, values) in fitted.iter().filter(|(group, _)| group.kind == kind) {
         for (place, row) in values.chunks_exact(group.time_s.len()).enumerate() {
             let measured = &group.values[place];
-            let mean = measured.iter().sum::<f64>() / measured.len() as f64;
             residual += measured
                 .iter()
                 .zip(row)
                 .map(|(m, f)| (m - f).powi(2))
                 .sum::<f64>();
-            total += measured.iter().map(|m| (m - mean).powi(2)).sum::<f64>();
+            total += square_about(measured, mean(measured));
         }
     }
     (total > 0.0).then(|| 1.0 - residual / total)

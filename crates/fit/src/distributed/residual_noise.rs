@@ -7,7 +7,7 @@
 use super::common_error::{CommonError, Waves};
 use super::policy::{FEWEST_FOR_SIZE, LEAST_SIZE, SIZE_PARTS};
 use ieap_numerics::correlation::{Autoregression, readings_per_independent, slow_excess};
-use ieap_numerics::sums::{dot, lagged, square};
+use ieap_numerics::sums::{add, dot, lagged, square};
 
 /// Covariance of the residuals of one group, in units of the noise of each series.
 #[derive(Debug, Clone)]
@@ -96,10 +96,7 @@ impl ResidualNoise {
             .collect();
         if let Some(common) = &self.common {
             let more = common.in_time(&column);
-            remembered
-                .iter_mut()
-                .zip(more)
-                .for_each(|(out, more)| *out += more);
+            add(&mut remembered, 1.0, &more);
         }
         by(&self.between_places(&remembered), &self.size)
     }
@@ -116,9 +113,7 @@ impl ResidualNoise {
         let mut product = vec![0.0; remembered.len()];
         for (out, weights) in product.chunks_exact_mut(self.times).zip(&self.between) {
             for (row, weight) in remembered.chunks_exact(self.times).zip(weights) {
-                out.iter_mut()
-                    .zip(row)
-                    .for_each(|(out, value)| *out += weight * value);
+                add(out, *weight, row);
             }
         }
         product

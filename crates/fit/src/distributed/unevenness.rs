@@ -11,7 +11,7 @@
 
 use ieap_numerics::chance::chi_square_chance;
 use ieap_numerics::student::one_sided_chance;
-use ieap_numerics::sums::{dot, square};
+use ieap_numerics::sums::{about_mean, add, dot, square};
 
 use super::described::{Described, electrical_parameters};
 use super::identified::Identified;
@@ -144,8 +144,7 @@ fn between(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<Vec<f64>>
         let times = group.time_s.len();
         if group.kind == Kind::Curvature {
             for row in column.chunks_exact_mut(times) {
-                let mean = row.iter().sum::<f64>() / times as f64;
-                row.iter_mut().for_each(|value| *value -= mean);
+                row.copy_from_slice(&about_mean(row));
             }
         }
         let common: Vec<f64> = group.noise.iter().map(|noise| noise.recip()).collect();
@@ -178,9 +177,7 @@ fn without_patterns(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<
             } else {
                 0.0
             };
-            row.iter_mut()
-                .zip(&pattern)
-                .for_each(|(value, p)| *value -= part * p);
+            add(row, -part, &pattern);
         }
     }
     columns
@@ -190,7 +187,7 @@ fn without_patterns(groups: &[&SeriesGroup], mut columns: Vec<Vec<f64>>) -> Vec<
 fn common(group: &SeriesGroup) -> Vec<f64> {
     let weights: Vec<f64> = group.noise.iter().map(|noise| noise.powi(-2)).collect();
     let total: f64 = weights.iter().sum();
-    let mut pattern: Vec<f64> = (0..group.time_s.len())
+    let pattern: Vec<f64> = (0..group.time_s.len())
         .map(|time| {
             let weighted = group
                 .values
@@ -200,7 +197,5 @@ fn common(group: &SeriesGroup) -> Vec<f64> {
             weighted.sum::<f64>() / total
         })
         .collect();
-    let mean = pattern.iter().sum::<f64>() / pattern.len().max(1) as f64;
-    pattern.iter_mut().for_each(|value| *value -= mean);
-    pattern
+    about_mean(&pattern)
 }

@@ -119,9 +119,8 @@ impl<'p, 'a> WithEdges<'p, 'a> {
     fn open_ways(&self, best: &Minimum) -> Vec<Way> {
         let (count, all) = (self.problem.bounds.count(), best.at.len());
         let normal = &best.local.normal;
-        let own: Vec<usize> = (0..count).collect();
         let shifts: Vec<usize> = (count..all).collect();
-        let held = normal.part(&own).inverse(1e-13);
+        let held = normal.first(count).inverse(1e-13);
         let (sizes, vectors) = normal.floored_inverse(1e-13).part(&shifts).eigen();
         let way = |(place, size): (usize, &f64)| {
             let sd = size.max(0.0).sqrt();

@@ -4,6 +4,7 @@
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::impedance::Scale;
 use ieap_numerics::least_squares::Minimum;
+use ieap_numerics::slopes::gradient;
 use ieap_numerics::student::quantile_95;
 
 use super::search::Simulated;
@@ -129,18 +130,8 @@ pub(super) fn of_function(
     function: &dyn Fn(&[f64]) -> f64,
 ) -> Parameter {
     const STEP: f64 = 1e-5;
-    let n = problem.circuit.parameters.len();
-    let mut at = found.at.clone();
-    let value = function(&at);
-    let mut slopes = vec![0.0; n];
-    for k in 0..n {
-        at[k] = found.at[k] + STEP;
-        let above = function(&at).ln();
-        at[k] = found.at[k] - STEP;
-        let below = function(&at).ln();
-        at[k] = found.at[k];
-        slopes[k] = (above - below) / (2.0 * STEP);
-    }
+    let value = function(&found.at);
+    let slopes = gradient(&found.at, |_| STEP, |at| function(at).ln());
     let inverse = found.local.normal.floored_inverse(FLOOR);
     let variance = inverse.form(&slopes, &slopes) * found.local.square / freedom(problem);
     let width = variance.sqrt() * quantile_95(freedom(problem));

@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use ieap_domain::impedance::FEWEST_FREQUENCIES;
 use ieap_domain::{Consistency, KramersKronig, Spectrum};
 use ieap_numerics::householder::least_squares;
+use ieap_numerics::sums::add;
 
 /// Number mu at which no more elements are taken (Schönleber and others).
 const STOP_AT_MU: f64 = 0.85;
@@ -114,9 +115,7 @@ pub fn fit(spectrum: &Spectrum, elements: usize) -> Option<Voigt> {
     readings.extend(weighted(&spectrum.imaginary_ohm));
     let coefficients = least_squares(&columns, &readings)?;
     for (column, coefficient) in columns.iter().zip(&coefficients) {
-        for (left, value) in readings.iter_mut().zip(column) {
-            *left -= coefficient * value;
-        }
+        add(&mut readings, -coefficient, column);
     }
     let resistances_ohm = coefficients[1..=elements].to_vec();
     let residual_imaginary = readings.split_off(spectrum.len());

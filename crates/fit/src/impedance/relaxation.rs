@@ -12,7 +12,8 @@ use ieap_domain::impedance::{RelaxationPeak, RelaxationTimes};
 use ieap_domain::{KramersKronig, Spectrum};
 use ieap_numerics::active_set::nonnegative;
 use ieap_numerics::complex::Complex;
-use ieap_numerics::sums::dot;
+use ieap_numerics::least_squares::Local;
+use ieap_numerics::line::halved;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{
@@ -23,6 +24,8 @@ use super::policy::{
 
 /// Resistance, inductance and elastance (1/C) in series, which nothing smooths.
 const SERIES: usize = 3;
+/// Pivot, relative to the diagonal, below which columns count as dependent.
+const DEPENDENT: f64 = 1e-13;
 /// Parts of each side of a hat over which its kernel is summed.
 const PARTS: usize = 8;
 
@@ -37,18 +40,15 @@ pub fn relaxation_times(spectrum: &Spectrum, tested: &KramersKronig) -> Option<R
     let every = vec![true; sought.log_taus.len()];
     let loosest = sought.solution(weakest, &every);
     let target = DISCREPANCY * scatter.max(loosest.rms);
-    let (mut low, mut high) = (weakest.ln(), strongest.ln());
-    let mut found = loosest;
-    let mut lambda = weakest;
-    for _ in 0..REGULARISATION_HALVINGS {
-        let middle = 0.5 * (low + high);
-        let next = sought.solution(middle.exp(), &every);
-        if next.rms <= target {
-            (low, lambda, found) = (middle, middle.exp(), next);
-        } else {
-            high = middle;
+    let (mut lambda, mut found) = (weakest, loosest);
+    halved(weakest.ln(), strongest.ln(), REGULARISATION_HALVINGS, |log| {
+        let next = sought.solution(log.exp(), &every);
+        let is_left = next.rms <= target;
+        if is_left {
+            (lambda, found) = (log.exp(), next);
         }
-    }
+        is_left
+    });
     let found = sought.with_fewest_peaks(found, lambda, (VALLEY_WITHIN * target).max(FINE_RMS));
     let enough = (DESCRIBES_WITHIN * 0.01 * tested.residual_rms_percent).max(FINE_RMS);
     Some(sought.told(&found, scatter, lambda, found.rms <= enough))
@@ -102,8 +102,7 @@ impl<'a> Sought<'a> {
             |part: &[f64]| -> Vec<f64> { part.iter().zip(&magnitude).map(|(z, size)| z / size).collect() };
         let mut readings = of(&spectrum.real_ohm);
         readings.extend(of(&spectrum.imaginary_ohm));
-        let gram = Symmetric::from_fn(columns.len(), |a, b| dot(&columns[a], &columns[b]));
-        let right = columns.iter().map(|column| dot(column, &readings)).collect();
+        let told = Local::of(&readings, &columns);
         Some(Sought {
             spectrum,
             scale_ohm,
@@ -112,8 +111,8 @@ impl<'a> Sought<'a> {
             log_taus,
             columns,
             readings,
-            gram,
-            right,
+            gram: told.normal,
+            right: told.descent,
         })
     }
 
@@ -132,7 +131,7 @@ impl<'a> Sought<'a> {
         let matrix = Symmetric::from_fn(straight.len(), |a, b| sum_of(&straight[b], &parts[a]));
         let right: Vec<f64> = straight.iter().map(|part| sum_of(part, &self.right)).collect();
         let mut x = vec![0.0; order];
-        for (part, own) in straight.iter().zip(nonnegative(&matrix, &right)) {
+        for (part, own) in straight.iter().zip(nonnegative(&matrix, &right, DEPENDENT)) {
             part.iter().for_each(|(k, share)| x[*k] += share * own);
         }
         let left = (0..self.readings.len()).map(|row| {

@@ -1,5 +1,6 @@
 //! A third opinion on uncertainty: fits of readings whose residuals were drawn again in blocks.
 
+use ieap_numerics::sums::standard_deviation;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -91,7 +92,5 @@ pub(crate) fn spread(values: &mut [f64]) -> Option<(f64, f64, f64)> {
         let next = (below + 1).min(values.len() - 1);
         values[below] + (values[next] - values[below]) * (place - below as f64)
     };
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    Some((point(0.025), point(0.975), variance.sqrt()))
+    Some((point(0.025), point(0.975), standard_deviation(values)))
 }

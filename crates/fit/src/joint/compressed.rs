@@ -6,7 +6,7 @@
 //! microseconds, however long the record.
 
 use ieap_numerics::decay::{BLOCK, Block, Decay, blocks};
-use ieap_numerics::sums::dot;
+use ieap_numerics::sums::{add, dot};
 
 use crate::sampled::{Sampled, Span};
 
@@ -119,7 +119,7 @@ impl CompressedSpan {
         for mode in modes.iter().filter(|mode| mode.amplitude != 0.0) {
             constant += self.take_mode(mode, out);
         }
-        take(&self.design[..self.rows], constant, out);
+        add(out, -constant, &self.design[..self.rows]);
     }
 
     /// Takes a mode off; gives the part of it that is constant.
@@ -133,8 +133,8 @@ impl CompressedSpan {
             let (rate, next) = ((place * SPACING).exp(), SPACING.exp());
             let first = rate * (next - rate) / (next - 1.0);
             let second = rate * (rate - 1.0) / (next * (next - 1.0));
-            take(self.node(0), mode.amplitude * first, out);
-            take(self.node(1), mode.amplitude * second, out);
+            add(out, -mode.amplitude * first, self.node(0));
+            add(out, -mode.amplitude * second, self.node(1));
             return mode.amplitude * (1.0 - first - second);
         }
         let place = place.min((self.nodes - 1) as f64);
@@ -142,19 +142,13 @@ impl CompressedSpan {
             .saturating_sub(STENCIL / 2 - 1)
             .min(self.nodes - STENCIL);
         for (k, weight) in lagrange(place - first as f64).into_iter().enumerate() {
-            take(self.node(first + k), mode.amplitude * weight, out);
+            add(out, -mode.amplitude * weight, self.node(first + k));
         }
         0.0
     }
 
     fn node(&self, node: usize) -> &[f64] {
         &self.design[(node + 1) * self.rows..(node + 2) * self.rows]
-    }
-}
-
-fn take(column: &[f64], by: f64, out: &mut [f64]) {
-    for (out, value) in out.iter_mut().zip(column) {
-        *out -= by * value;
     }
 }
 
@@ -232,7 +226,8 @@ impl Group {
             let place = |t: &f64| (2.0 * (t - from_s) / length_s.max(f64::MIN_POSITIVE) - 1.0).powi(order);
             let mut shape: Vec<f64> = own.iter().map(place).collect();
             for before in &shapes {
-                take(before, dot(before, &shape), &mut shape);
+                let part = dot(before, &shape);
+                add(&mut shape, -part, before);
             }
             let norm = dot(&shape, &shape).sqrt();
             if norm > LEAST_NORM {
@@ -297,12 +292,12 @@ fn reduced(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> (Vec<f64>, Vec<f
         let mut row = Vec::with_capacity(columns.len());
         for (column, square) in columns.iter_mut().zip(&mut squares) {
             let part = dot(&direction, column);
-            take(&direction, part, column);
+            add(column, -part, &direction);
             *square -= part * part;
             row.push(part);
         }
         let part = dot(&direction, &target);
-        take(&direction, part, &mut target);
+        add(&mut target, -part, &direction);
         kept.push(part);
         rows.push(row);
     }

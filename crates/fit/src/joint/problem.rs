@@ -90,7 +90,7 @@ impl<'a> JointProblem<'a> {
             };
             Some(Zero {
                 value: local[place],
-                standard_error: self.units[place] * covariance.get(k, k).max(0.0).sqrt(),
+                standard_error: self.units[place] * covariance.error(k),
             })
         })
     }

@@ -27,6 +27,18 @@ pub(crate) struct Interval {
     pub(crate) high: Option<f64>,
 }
 
+impl Interval {
+    /// That of a covariance: so many standard errors to either side.
+    pub(crate) fn linear(value: f64, standard_error: f64, quantile: f64) -> Interval {
+        Interval {
+            value,
+            standard_error,
+            low: Some(value - quantile * standard_error),
+            high: Some(value + quantile * standard_error),
+        }
+    }
+}
+
 /// A minimum with its covariance, ready to be asked for intervals.
 pub(crate) struct Solved<'p, 'a> {
     pub(crate) problem: &'p JointProblem<'a>,
@@ -71,14 +83,8 @@ impl<'p, 'a> Solved<'p, 'a> {
     /// The interval of the covariance; `quantile` standard errors to either side.
     pub(crate) fn linear(&self, feature: Feature, run: usize, quantile: f64) -> Interval {
         let gradient = self.gradient(feature, run, &self.bottom.at);
-        let standard_error = self.inverse.form(&gradient, &gradient).max(0.0).sqrt();
         let value = self.feature(feature, run, &self.bottom.at);
-        Interval {
-            value,
-            standard_error,
-            low: Some(value - quantile * standard_error),
-            high: Some(value + quantile * standard_error),
-        }
+        Interval::linear(value, self.inverse.error_along(&gradient), quantile)
     }
 
     /// The interval within which the sum of squares, all else fitted anew, rises by less than `quantile` squared;

@@ -1,7 +1,5 @@
 //! An impedance spectrum of a run's strip, as further rows of its sum of squares.
 
-use std::f64::consts::TAU;
-
 use ieap_domain::Spectrum;
 use ieap_model::LumpedModel;
 use ieap_numerics::complex::Complex;
@@ -12,7 +10,7 @@ pub(crate) struct SpectrumRows {
     /// Run of the strip.
     pub(crate) run: usize,
     area_cm2: f64,
-    omega_per_s: Vec<f64>,
+    frequency_hz: Vec<f64>,
     /// Real parts, then imaginary ones.
     measured: Vec<f64>,
     /// One over the standard deviation of either part at each frequency, 1/Ohm.
@@ -31,7 +29,7 @@ impl SpectrumRows {
         SpectrumRows {
             run,
             area_cm2,
-            omega_per_s: spectrum.frequency_hz.iter().map(|hz| TAU * hz).collect(),
+            frequency_hz: spectrum.frequency_hz.clone(),
             measured: [over(&spectrum.real_ohm), over(&spectrum.imaginary_ohm)].concat(),
             weight,
         }
@@ -40,9 +38,9 @@ impl SpectrumRows {
     /// Weighted residuals of a model.
     pub(crate) fn residuals(&self, model: &LumpedModel) -> Vec<f64> {
         let z: Vec<Complex> = self
-            .omega_per_s
+            .frequency_hz
             .iter()
-            .map(|&omega| impedance(model, self.area_cm2, omega))
+            .map(|&hz| model.admittance_a_per_v(self.area_cm2, hz).reciprocal())
             .collect();
         let parts = z.iter().map(|z| z.re).chain(z.iter().map(|z| z.im));
         let weights = self.weight.iter().chain(&self.weight);
@@ -53,17 +51,4 @@ impl SpectrumRows {
             .map(|(own, z)| own - z)
             .collect()
     }
-}
-
-/// Impedance of a strip under a small alternating voltage, Ohm.
-fn impedance(model: &LumpedModel, area_cm2: f64, omega: f64) -> Complex {
-    let mut admittance = Complex::new(model.steady_state_resistance_ohm_cm2.recip(), 0.0);
-    for branch in &model.branches {
-        let (r, c) = (branch.resistance_ohm_cm2, branch.capacitance_f_per_cm2);
-        let x = omega * r * c;
-        let size = omega * c / (1.0 + x * x);
-        admittance = admittance + Complex::new(size * x, size);
-    }
-    let norm = area_cm2 * (admittance.re * admittance.re + admittance.im * admittance.im);
-    Complex::new(admittance.re / norm, -admittance.im / norm)
 }

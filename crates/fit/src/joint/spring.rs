@@ -1,6 +1,7 @@
 //! A feature drawn to a value: by what is known of it, or along an interval.
 
 use ieap_numerics::least_squares::Local;
+use ieap_numerics::slopes;
 
 use super::feature::Feature;
 use super::problem::JointProblem;
@@ -43,12 +44,5 @@ impl Spring {
 /// Derivatives of a feature by the coordinates.
 pub(crate) fn gradient(problem: &JointProblem, feature: Feature, run: usize, at: &[f64]) -> Vec<f64> {
     let value = |at: &[f64]| feature.of(problem.layout, &problem.of_run(run, at));
-    let along = |k: usize| {
-        let mut moved = at.to_vec();
-        moved[k] += STEP;
-        let above = value(&moved);
-        moved[k] = at[k] - STEP;
-        (above - value(&moved)) / (2.0 * STEP)
-    };
-    (0..at.len()).map(along).collect()
+    slopes::gradient(at, |_| STEP, value)
 }

@@ -4,6 +4,7 @@ use crate::bending::Bending;
 use crate::electrical::Electrical;
 use crate::joint::policy::FARTHEST_LOG;
 use ieap_numerics::least_squares::Bounds;
+use ieap_numerics::sums;
 
 use super::layout::Layout;
 use super::problem::{JointProblem, Slot};
@@ -159,10 +160,7 @@ fn units(runs: &[RunReadings], starts: &[Start], layout: Layout) -> Vec<f64> {
         let response = |run: &RunReadings| {
             let response = if curvature { &run.curvature } else { &run.current };
             let values = response.as_ref().map(|response| &*response.sampled.values);
-            values
-                .unwrap_or_default()
-                .iter()
-                .fold(0.0_f64, |most, v| most.max(v.abs()))
+            sums::peak(values.unwrap_or_default())
         };
         or_one(runs.iter().map(response).fold(0.0, f64::max))
     };

@@ -2,12 +2,12 @@
 //! carried over.
 
 use ieap_domain::Drive;
-use ieap_model::bending::{BendingLaw, ChargeCourse, Shape};
+use ieap_model::bending::{BendingLaw, ChargeCourse, Shape, curvature_per_cm};
 use ieap_numerics::gram::CAPACITY;
 use ieap_numerics::least_squares::Stop;
 use ieap_numerics::symmetric::Symmetric;
 
-use super::landscape::{Coordinates, Shapes, combined};
+use super::landscape::{Coordinates, Shapes};
 use crate::electrical::Electrical;
 use crate::propagated_error::moved_by_circuit;
 use crate::sampled::Sampled;
@@ -104,7 +104,7 @@ pub(crate) fn identify_law(
     let free = held.iter().filter(|held| !**held).count();
     let offset_per_cm = seen.with_offset.then(|| solved.coefficients[couplings]);
     let full = seen.charge(electrical, sampled);
-    let mut fitted = combined(&law.courses(&full, &shapes), &solved.coefficients[..couplings]);
+    let mut fitted = curvature_per_cm(law, &full, &solved.coefficients[..couplings], &shapes);
     let offset = offset_per_cm.unwrap_or(0.0);
     fitted.iter_mut().for_each(|value| *value += offset);
     let mut bent = Bent {
@@ -151,7 +151,7 @@ impl Seen<'_> {
             let curved = ends.map(|end| {
                 let mut there = shapes.to_vec();
                 there[k] = end;
-                combined(&self.law.courses(charge, &there), couplings)
+                curvature_per_cm(self.law, charge, couplings, &there)
             });
             let width = ends[1] - ends[0];
             let slope = curved[1].iter().zip(&curved[0]).map(|(a, b)| (a - b) / width);
@@ -213,7 +213,7 @@ impl Seen<'_> {
         jacobian.iter_mut().for_each(|column| nodes.weigh_all(column));
         let (couplings, shapes) = bent.natural.split_at(bent.couplings);
         let bend = |charge: &ChargeCourse| {
-            let mut bent = combined(&self.law.courses(charge, shapes), couplings);
+            let mut bent = curvature_per_cm(self.law, charge, couplings, shapes);
             nodes.weigh_all(&mut bent);
             bent
         };

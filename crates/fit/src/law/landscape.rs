@@ -112,21 +112,15 @@ impl Shapes<'_> {
     /// The best couplings, and offset, for these shapes.
     pub(super) fn solve(&self, shapes: &[f64]) -> Solved {
         let columns = self.columns(shapes);
-        let normal = Symmetric::from_fn(columns.len(), |row, column| {
-            sums::dot(&columns[row], &columns[column])
-        });
-        let right: Vec<f64> = columns
-            .iter()
-            .map(|column| sums::dot(column, &self.values))
-            .collect();
+        let Local { normal, descent, .. } = Local::of(&self.values, &columns);
         let coefficients = match normal.cholesky(ALIKE) {
-            Some(factor) => factor.solve(&right),
+            Some(factor) => factor.solve(&descent),
             // Courses that are alike: the first alone says what there is.
-            None => alone(&normal, &right),
+            None => alone(&normal, &descent),
         };
         let mut left = self.values.clone();
         for (coefficient, column) in coefficients.iter().zip(&columns) {
-            subtract(&mut left, *coefficient, column);
+            sums::add(&mut left, -coefficient, column);
         }
         Solved {
             columns,
@@ -145,7 +139,7 @@ impl Shapes<'_> {
             let mut there = at.to_vec();
             there[k] = end;
             let columns = self.columns(&self.coordinates.values(shapes, &there));
-            combined(&columns, coefficients)
+            sums::combined(&columns, coefficients)
         };
         let [below, above] = ends.map(bent);
         let width = ends[1] - ends[0];
@@ -172,21 +166,6 @@ fn alone(normal: &Symmetric, right: &[f64]) -> Vec<f64> {
     coefficients
 }
 
-/// Sum of columns times coefficients.
-pub(super) fn combined(columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
-    let mut sum = vec![0.0; columns.first().map_or(0, Vec::len)];
-    for (coefficient, column) in coefficients.iter().zip(columns) {
-        subtract(&mut sum, -coefficient, column);
-    }
-    sum
-}
-
-fn subtract(from: &mut [f64], coefficient: f64, column: &[f64]) {
-    from.iter_mut()
-        .zip(column)
-        .for_each(|(out, value)| *out -= coefficient * value);
-}
-
 impl Problem for Shapes<'_> {
     fn bounds(&self) -> Bounds {
         let shapes = self.law.shapes().iter();
@@ -209,7 +188,7 @@ impl Problem for Shapes<'_> {
                 if let Some(factor) = solved.normal.cholesky(ALIKE) {
                     let explained = factor.solve(&right);
                     for (coefficient, column) in explained.iter().zip(&solved.columns) {
-                        subtract(&mut slope, *coefficient, column);
+                        sums::add(&mut slope, -coefficient, column);
                     }
                 }
                 slope

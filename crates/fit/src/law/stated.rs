@@ -4,6 +4,7 @@
 use ieap_domain::{Estimate, Parameter};
 use ieap_model::BendingLaw;
 use ieap_model::bending::{Reported, Shape, Stated};
+use ieap_numerics::slopes;
 
 use super::identified::Bent;
 use crate::interval_rule;
@@ -45,7 +46,7 @@ pub(super) fn stated(law: &dyn BendingLaw, bent: &Bent) -> Vec<Parameter> {
 /// Whether any coupling can be told from zero.
 fn is_coupled(law: &dyn BendingLaw, bent: &Bent) -> bool {
     (0..law.couplings()).any(|k| {
-        let half = bent.residuals.quantile * bent.covariance.get(k, k).max(0.0).sqrt();
+        let half = bent.residuals.quantile * bent.covariance.error(k);
         half < bent.natural[k].abs()
     })
 }
@@ -59,7 +60,7 @@ fn estimate(law: &dyn BendingLaw, reported: &Reported, bent: &Bent) -> Estimate 
         return estimate;
     }
     let value = (reported.of)(&bent.natural);
-    let error = bent.covariance.form(&gradient, &gradient).max(0.0).sqrt();
+    let error = bent.covariance.error_along(&gradient);
     let half = bent.residuals.quantile * error;
     let (low, high) = (value - half, value + half);
     if !(value.is_finite() && half.is_finite()) {
@@ -94,16 +95,13 @@ fn beyond(shape: Shape) -> &'static str {
 
 /// Derivatives of a reported number by the natural parameters.
 fn gradient(reported: &Reported, bent: &Bent) -> Vec<f64> {
-    let along = |k: usize| {
-        let error = bent.covariance.get(k, k).max(0.0).sqrt();
+    let step = |k: usize| {
         let size = bent.natural[k].abs();
-        let step = STEP * if size > 0.0 { size } else { error.max(1e-12) };
-        let at = |by: f64| {
-            let mut moved = bent.natural.clone();
-            moved[k] += by;
-            (reported.of)(&moved)
-        };
-        (at(step) - at(-step)) / (2.0 * step)
+        STEP * if size > 0.0 {
+            size
+        } else {
+            bent.covariance.error(k).max(1e-12)
+        }
     };
-    (0..bent.natural.len()).map(along).collect()
+    slopes::gradient(&bent.natural, step, |natural| (reported.of)(natural))
 }

@@ -129,7 +129,7 @@ impl Response {
 
 /// Memory, growth and steps of the noise.
 fn character(sampled: &Sampled, left: &[f64]) -> NoiseCharacter {
-    let peak = sampled.values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let peak = sums::peak(&sampled.values);
     let of_ends =
         |sampled: &Sampled| (sampled.len() > 2 * ENOUGH_FOR_NOISE).then(|| sampled.ends(ENOUGH_FOR_NOISE));
     let ends = of_ends(sampled);

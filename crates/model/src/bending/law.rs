@@ -3,6 +3,7 @@
 use std::panic::RefUnwindSafe;
 
 use ieap_domain::Drive;
+use ieap_numerics::sums::combined;
 
 use super::charge::ChargeCourse;
 
@@ -101,12 +102,5 @@ pub fn curvature_per_cm(
     couplings: &[f64],
     shapes: &[f64],
 ) -> Vec<f64> {
-    let courses = law.courses(charge, shapes);
-    let mut sum = vec![0.0; charge.len()];
-    for (coupling, course) in couplings.iter().zip(&courses) {
-        for (out, value) in sum.iter_mut().zip(course) {
-            *out += coupling * value;
-        }
-    }
-    sum
+    combined(&law.courses(charge, shapes), couplings)
 }

@@ -6,6 +6,7 @@
 //! each mode differs from the strip with perfect electrodes, which falls with the fourth power of n.
 
 use ieap_domain::{Drive, Level};
+use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::StripField;
@@ -110,9 +111,7 @@ impl BranchedStrip<'_> {
                 .collect();
             for (k, row) in local.chunks_exact_mut(places_cm.len().max(1)).enumerate() {
                 let differs = mode.curvature_per_cm[k] - even.curvature_per_cm[k];
-                row.iter_mut()
-                    .zip(&weights)
-                    .for_each(|(value, weight)| *value += weight * differs);
+                sums::add(row, differs, &weights);
             }
         }
         response.curvature_per_cm.values = local;

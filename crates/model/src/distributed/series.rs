@@ -17,6 +17,8 @@
 //! the sum are taken in closed form (`heads`); what is left falls off with n^-7, and modes are added until the
 //! bound on the rest is below [`TRUNCATION_SHARE`] of full scale.
 
+use ieap_numerics::sums::add;
+
 use super::DistributedModel;
 use super::field::StripField;
 use super::heads::{self, ORDERS};
@@ -154,10 +156,7 @@ impl DistributedModel {
                 *value = scale * (0..ORDERS).map(|j| head[j] * kernel.head[j]).sum::<f64>();
             }
             for (share, weights) in shares[..modes].iter().zip(weights.chunks_exact(positions.max(1))) {
-                let rest = scale * kernel.rest(*share);
-                for (value, weight) in row.iter_mut().zip(weights) {
-                    *value += rest * weight;
-                }
+                add(row, scale * kernel.rest(*share), weights);
             }
         }
         field.truncation_bound = Some(bound * scale.abs());

@@ -1,7 +1,7 @@
 //! A room that warms or cools: all rates move together.
 
 use super::acting::{LEAST, instant, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Times in which a room settles that a run lasts.
@@ -29,10 +29,8 @@ static ABOUT: About = About {
     sources: "Vogel-Fulcher-Tammann viscosity of ionic liquids",
 };
 
-impl Effect for AmbientTemperature {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for AmbientTemperature {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, _scale: &Scale) -> Search {
         Search::over(0.03, vec![Limits::linear(-0.6, 1.5)], &[])

@@ -1,7 +1,7 @@
 //! Capacitance that differs between the two polarities.
 
 use super::acting::{instant, scale_capacitances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Voltage within which the capacitance goes from that of one polarity to that of the other, V.
@@ -35,10 +35,8 @@ static ABOUT: About = About {
     sources: "unlike electrodes, or ions of unlike size",
 };
 
-impl Effect for AsymmetricCapacitance {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for AsymmetricCapacitance {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         if scale.voltage_v == 0.0 || variant == 1 && scale.base.branches.len() < 2 {

@@ -1,7 +1,7 @@
 //! Something that happened to the bending at one instant, and that the drive did not cause.
 
 use super::event::{COURSES, is_in, search, written};
-use super::{About, Effect, EffectParameter, Scale, Search};
+use super::{About, EffectParameter, Equation, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -46,10 +46,8 @@ static ABOUT: About = About {
     sources: "a bumped stand, a door, a draught, a camera that was moved",
 };
 
-impl Effect for BendingEvent {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for BendingEvent {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         search(variant, scale, scale.curvature_per_cm)

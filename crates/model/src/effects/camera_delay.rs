@@ -1,6 +1,6 @@
 //! Curvature that is read late.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,15 +25,10 @@ static ABOUT: About = About {
     sources: "latency of cameras",
 };
 
-impl Effect for CameraDelay {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CameraDelay {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let most = (3.0 * scale.shortest_s).max(1.0);
         Search::over(
             0.01 * most,

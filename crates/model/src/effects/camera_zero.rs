@@ -1,7 +1,7 @@
 //! A camera whose zero is not the straight strip.
 
 use super::acting::read_as;
-use super::{About, Effect, EffectParameter, Scale, Search};
+use super::{About, EffectParameter, Equation, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,10 +26,8 @@ static ABOUT: About = About {
     sources: "frame of the picture turned against the clamp",
 };
 
-impl Effect for CameraZero {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CameraZero {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         Search::of_offset(scale)

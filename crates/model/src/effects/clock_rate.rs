@@ -1,6 +1,6 @@
 //! A camera whose clock runs at another rate.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,15 +25,10 @@ static ABOUT: About = About {
     sources: "drift of quartz clocks, frames counted at a nominal rate",
 };
 
-impl Effect for ClockRate {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ClockRate {
+    const ABOUT: &'static About = &ABOUT;
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
+    fn search(&self, _variant: usize, _scale: &Scale) -> Search {
         Search::over(0.005, vec![Limits::linear(-0.05, 0.05)], &[])
     }
 

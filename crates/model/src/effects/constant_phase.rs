@@ -1,7 +1,7 @@
 //! A current that falls as a power of time, of any exponent.
 
 use super::acting::instant;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -70,10 +70,8 @@ fn spectrum(exponent: f64, soonest_s: f64, run_s: f64) -> Vec<(f64, f64)> {
     out
 }
 
-impl Effect for ConstantPhase {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ConstantPhase {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         if scale.voltage_v == 0.0 || variant == 1 && scale.curvature_per_cm == 0.0 {

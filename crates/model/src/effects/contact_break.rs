@@ -1,6 +1,6 @@
 //! A resistance, a capacitance or the coupling jumps at one instant: cracked foil, slipping clip.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -68,10 +68,8 @@ impl Law for Break {
     }
 }
 
-impl Effect for ContactBreak {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ContactBreak {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         if variant == 2 && scale.curvature_per_cm == 0.0 {

@@ -1,6 +1,6 @@
 //! Solvent or counter-ions that flow back slowly.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -33,15 +33,10 @@ static ABOUT: About = About {
     sources: "two-way transport (Bao et al.); uptake of a sheet (Crank 1975)",
 };
 
-impl Effect for CounterFlow {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CounterFlow {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let limits = vec![
             Limits::linear(0.0, 1.5),
             Limits::logarithmic(scale.longest_s() / 100.0, 3.0 * scale.longest_s()),

@@ -1,7 +1,7 @@
 //! Charge that bends less the more of it there is.
 
 use super::acting::instant;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Where tanh(z)/z is one half.
@@ -44,15 +44,10 @@ static ABOUT: About = About {
     sources: "crowding of ions",
 };
 
-impl Effect for CouplingSaturation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CouplingSaturation {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.charge_c == 0.0 {
             return Search::none();
         }

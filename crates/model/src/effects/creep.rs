@@ -1,7 +1,7 @@
 //! Slow set of the polymer that does not come back.
 
 use super::acting::read_as;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -44,15 +44,10 @@ fn sign(v: f64) -> f64 {
     if v == 0.0 { 0.0 } else { v.signum() }
 }
 
-impl Effect for Creep {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Creep {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let most = 0.2 * scale.curvature_per_cm;
         let limits = vec![
             Limits::linear(-most, most),

@@ -1,6 +1,6 @@
 //! A source that gives no more than so much current, or a meter that shows no more.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,10 +25,8 @@ static ABOUT: About = About {
     sources: "potentiostat manuals on current ranges",
 };
 
-impl Effect for CurrentLimit {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CurrentLimit {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         if scale.current_a <= 0.0 {

@@ -1,6 +1,6 @@
 //! A constant in the measured current.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,10 +25,8 @@ static ABOUT: About = About {
     sources: "offset of the current range of potentiostats",
 };
 
-impl Effect for CurrentOffset {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CurrentOffset {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         Search::over(

@@ -1,6 +1,6 @@
 //! Curvature readings that stand still at a level: a stop, or the edge of the picture.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,16 +25,11 @@ static ABOUT: About = About {
     sources: "edge of a camera's field of view, stops beside a strip",
 };
 
-impl Effect for CurvatureLimit {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for CurvatureLimit {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let most = scale.curvature_per_cm;
-        if most <= 0.0 {
-            return Search::none();
-        }
         // One side may bend less far than the other.
         let parts: &[f64] = if variant == 0 { &[0.9, 0.65] } else { &[0.5] };
         Search {

@@ -1,7 +1,7 @@
 //! A leak that the arrival of reactants limits.
 
 use super::acting::instant;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -29,10 +29,8 @@ static ABOUT: About = About {
 /// No reactant reacts sooner: the current stays finite at the edge.
 const SOONEST_S: f64 = 0.05;
 
-impl Effect for DiffusionLimitedLeak {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for DiffusionLimitedLeak {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         if scale.voltage_v == 0.0 {

@@ -1,7 +1,7 @@
 //! Time constants spread over many pores: constant-phase behaviour.
 
 use super::fractional_relaxation::spectrum_of;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -50,10 +50,8 @@ fn power_law(spread: f64) -> Vec<(f64, f64)> {
     spectrum_of(order, SIDE)
 }
 
-impl Effect for Dispersion {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Dispersion {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         if !matches!(variant, 0 | 3) && scale.base.branches.len() < 2 {

@@ -21,6 +21,23 @@ pub trait Effect: Sync {
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
 }
 
+/// What the file of an effect of the list states.
+pub(super) trait Equation: Sync {
+    /// What is known of it.
+    const ABOUT: &'static About;
+
+    /// As [`Effect::search`]; of the bending where it was read.
+    fn search(&self, variant: usize, scale: &Scale) -> Search;
+
+    /// As [`Effect::acts_in`].
+    fn acts_in(&self, _parameters: &[f64], _run: usize) -> bool {
+        true
+    }
+
+    /// As [`Effect::apply`].
+    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System);
+}
+
 /// An effect with its parameters.
 #[derive(Clone)]
 pub struct Applied {

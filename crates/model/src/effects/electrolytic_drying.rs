@@ -1,7 +1,7 @@
 //! A leak that splits the water of the membrane.
 
 use super::acting::{remembering, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Now, RunContext, System};
 
 /// See the module.
@@ -34,10 +34,8 @@ static ABOUT: About = About {
     sources: "Faraday's law of electrolysis",
 };
 
-impl Effect for ElectrolyticDrying {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ElectrolyticDrying {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let (volts, longest_s) = (scale.voltage_v, scale.longest_s());

@@ -1,6 +1,6 @@
 //! Bending that follows the size of the voltage, not its sign.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -58,14 +58,12 @@ impl Law for Even {
     }
 }
 
-impl Effect for EvenBending {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for EvenBending {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let volts = scale.voltage_v;
-        if scale.curvature_per_cm == 0.0 || volts == 0.0 {
+        if volts == 0.0 {
             return Search::none();
         }
         let size = if variant == 0 { volts * volts } else { volts };

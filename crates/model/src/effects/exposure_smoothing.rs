@@ -1,6 +1,6 @@
 //! A mean over the time of exposure.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,15 +25,10 @@ static ABOUT: About = About {
     sources: "cameras and smoothing filters",
 };
 
-impl Effect for ExposureSmoothing {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ExposureSmoothing {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let most = (2.0 * scale.shortest_s).max(1.0);
         Search::over(0.02 * most, vec![Limits::linear(0.0, most)], &[])
     }

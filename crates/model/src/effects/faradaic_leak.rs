@@ -1,6 +1,6 @@
 //! Electrolysis: a current above an onset voltage that stores no charge and does not bend the strip.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -95,10 +95,8 @@ impl Law for Leak {
     }
 }
 
-impl Effect for FaradaicLeak {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for FaradaicLeak {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let volts = scale.voltage_v;

@@ -1,6 +1,6 @@
 //! A third, faster R-C branch.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -33,10 +33,8 @@ static ABOUT: About = About {
     sources: "equivalent circuits with n branches, thesis figure 7",
 };
 
-impl Effect for FastBranch {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for FastBranch {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let (fastest_s, _) = scale.time_constants_s();

@@ -1,7 +1,8 @@
 //! Relaxation by a power law, or by a stretched exponential.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
+use ieap_numerics::line;
 
 /// See the module.
 pub(super) struct FractionalRelaxation;
@@ -59,16 +60,7 @@ fn edges(width: f64, far: f64, side: usize) -> Vec<f64> {
     let all = places(far);
     let edge = |k: usize| {
         let wanted = all * (k as f64 + 0.5) / (side as f64 - 0.5);
-        let (mut low, mut high) = (0.0, far);
-        for _ in 0..60 {
-            let middle = (low + high) / 2.0;
-            if places(middle) < wanted {
-                low = middle
-            } else {
-                high = middle
-            }
-        }
-        (low + high) / 2.0
+        line::edge(0.0, far, 60, |u| places(u) < wanted)
     };
     (0..side).map(edge).collect()
 }
@@ -121,15 +113,10 @@ fn stretched(order: f64) -> Vec<(f64, f64)> {
     out
 }
 
-impl Effect for FractionalRelaxation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for FractionalRelaxation {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.base.relaxation_rate_per_s <= 0.0 {
             return Search::none();
         }

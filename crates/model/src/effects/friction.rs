@@ -1,6 +1,8 @@
 //! Dead zone between force and motion: sticking, play, a support that is touched.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use ieap_numerics::sums::add;
+
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -96,23 +98,15 @@ impl Observation for Plays {
             let mut seen = own.clone();
             play.observe(clock_s, &mut seen);
             let share = 1.0 / self.0.len() as f64;
-            curvature_per_cm
-                .iter_mut()
-                .zip(seen)
-                .for_each(|(sum, seen)| *sum += share * seen);
+            add(curvature_per_cm, share, &seen);
         }
     }
 }
 
-impl Effect for Friction {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Friction {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         Search::over(
             0.01 * scale.curvature_per_cm,
             vec![Limits::linear(0.0, 0.3 * scale.curvature_per_cm)],

@@ -1,6 +1,6 @@
 //! Dissipated heat warms the strip and lowers its resistances.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -66,10 +66,8 @@ impl Law for Heat {
     }
 }
 
-impl Effect for JouleHeating {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for JouleHeating {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let relaxes = scale.curvature_per_cm > 0.0 && scale.base.relaxation_rate_per_s > 0.0;

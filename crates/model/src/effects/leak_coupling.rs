@@ -1,6 +1,6 @@
 //! Charge that leaks through R_ss bends the strip too.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,15 +25,10 @@ static ABOUT: About = About {
     sources: "a choice that every model of this kind makes",
 };
 
-impl Effect for LeakCoupling {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for LeakCoupling {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if !scale.base.steady_state_resistance_ohm_cm2.is_finite() {
             return Search::none();
         }

@@ -1,6 +1,6 @@
 //! Electrodes that resist along the strip: its far end charges later.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Strengths at which its signature is looked for, times the length squared and the conductance across the strip: weak, it
@@ -32,10 +32,8 @@ static ABOUT: About = About {
     sources: "distributed model, thesis equations 21-26",
 };
 
-impl Effect for LengthwiseResistance {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for LengthwiseResistance {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let Some(length_cm) = scale.length_cm.filter(|length| *length > 0.0) else {

@@ -1,6 +1,6 @@
 //! The motion follows the bending force with a delay of first order: drag.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -60,15 +60,10 @@ pub(super) fn lag(time_s: f64, clock_s: &[f64], curvature_per_cm: &mut [f64]) {
     }
 }
 
-impl Effect for MechanicalLag {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for MechanicalLag {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let (fastest_s, _) = scale.time_constants_s();
         let most = (5.0 * scale.shortest_s).max(2.0 * fastest_s).max(0.5);
         Search::over(0.05 * most, vec![Limits::linear(0.0, most)], &[])

@@ -73,12 +73,14 @@ mod water_exchange;
 mod water_redistribution;
 
 pub use about::{About, EffectParameter};
+use effect::Equation;
 pub use effect::{Applied, Effect};
 pub use followed_tag::tag_places;
 pub use search::{Limits, Scale, Search};
 pub use tree::{Mechanism, Site};
 
 pub use super::extended::TagAt;
+use super::extended::{RunContext, System};
 
 use std::sync::LazyLock;
 
@@ -192,6 +194,28 @@ pub fn mechanism_of(effect: &str) -> Option<&'static Mechanism> {
         mechanism("from-run-to-run")
     } else {
         mechanism(row_of(effect)?.mechanism)
+    }
+}
+
+impl<E: Equation> Effect for E {
+    fn about(&self) -> &'static About {
+        E::ABOUT
+    }
+
+    fn search(&self, variant: usize, scale: &Scale) -> Search {
+        let site = mechanism_of(E::ABOUT.id).map(|own| own.site);
+        if site == Some(Site::Bending) && scale.curvature_per_cm == 0.0 {
+            return Search::none();
+        }
+        Equation::search(self, variant, scale)
+    }
+
+    fn acts_in(&self, parameters: &[f64], run: usize) -> bool {
+        Equation::acts_in(self, parameters, run)
+    }
+
+    fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
+        Equation::apply(self, variant, parameters, run, system);
     }
 }
 

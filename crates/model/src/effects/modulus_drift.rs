@@ -1,7 +1,7 @@
 //! Stiffness that changes during the run.
 
 use super::acting::{APPROACHES, LEAST, approached, read_as};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -39,15 +39,10 @@ static ABOUT: About = About {
     sources: "hydration-dependent modulus of ionomers; uptake of a sheet (Crank 1975)",
 };
 
-impl Effect for ModulusDrift {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ModulusDrift {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let limits = vec![
             Limits::linear(-1.0, 0.6),
             Limits::logarithmic(scale.longest_s() / 50.0, 2.0 * scale.longest_s()),

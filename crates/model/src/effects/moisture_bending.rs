@@ -1,7 +1,7 @@
 //! One side wetter than the other: the strip bends by itself.
 
 use super::acting::{APPROACHES, approached, read_as};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -40,15 +40,10 @@ static ABOUT: About = About {
     sources: "hygroscopic bending of laminates; uptake of a sheet (Crank 1975)",
 };
 
-impl Effect for MoistureBending {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for MoistureBending {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let most = scale.curvature_per_cm;
         let longest_s = scale.longest_s();
         let limits = vec![

@@ -1,7 +1,7 @@
 //! A strip that is no arc of a circle, fitted as one.
 
 use super::acting::{LEAST, read_as};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,15 +26,10 @@ static ABOUT: About = About {
     sources: "fit of a circle to an edge in a picture",
 };
 
-impl Effect for NoncircularShape {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for NoncircularShape {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         Search::over(
             0.01 / scale.curvature_per_cm,
             vec![Limits::linear(

@@ -1,7 +1,7 @@
 //! A parameter that takes a smooth course of its own over the run.
 
 use super::acting::{LEAST, instant, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -45,10 +45,8 @@ fn course(shape_rad: f64, x: f64) -> f64 {
     shape_rad.cos() * quarter.sin() + shape_rad.sin() * (3.0 * quarter).sin()
 }
 
-impl Effect for ParameterWander {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ParameterWander {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let leaks = scale.base.steady_state_resistance_ohm_cm2.is_finite();

@@ -1,6 +1,6 @@
 //! Part of the strain does not relax: a standard linear solid in place of spring and dashpot.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -31,15 +31,10 @@ static ABOUT: About = About {
     sources: "standard linear solid; Bao et al. with K2 other than 0",
 };
 
-impl Effect for PartialRelaxation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for PartialRelaxation {
+    const ABOUT: &'static About = &ABOUT;
 
-    fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
+    fn search(&self, _variant: usize, _scale: &Scale) -> Search {
         Search::over(0.01, vec![Limits::linear(0.0, 1.0)], &[])
     }
 

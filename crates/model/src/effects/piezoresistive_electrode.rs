@@ -1,7 +1,7 @@
 //! Electrodes whose resistance changes as they bend.
 
 use super::acting::{instant, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,10 +26,8 @@ static ABOUT: About = About {
     sources: "strain gauges; models of metal electrodes under bending",
 };
 
-impl Effect for PiezoresistiveElectrode {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for PiezoresistiveElectrode {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         if scale.curvature_per_cm == 0.0 {

@@ -1,7 +1,7 @@
 //! Charge that bends more to one side than to the other.
 
 use super::acting::read_as;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,13 +26,11 @@ static ABOUT: About = About {
     sources: "cations and anions of unlike size; electrodes of unlike thickness",
 };
 
-impl Effect for PolarityCoupling {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for PolarityCoupling {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 || scale.charge_c == 0.0 {
+        if scale.charge_c == 0.0 {
             return Search::none();
         }
         Search::over(0.02, vec![Limits::linear(-0.95, 0.95)], &[])

@@ -1,7 +1,7 @@
 //! A strip that remembers which polarity it had: the answer to a pulse depends on the one before.
 
 use super::acting::{LEAST, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 use ieap_domain::{Level, Segment};
 
@@ -82,10 +82,8 @@ impl Law for Memory {
     }
 }
 
-impl Effect for PolarityMemory {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for PolarityMemory {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let relaxes = scale.curvature_per_cm > 0.0 && scale.base.relaxation_rate_per_s > 0.0;

@@ -1,7 +1,7 @@
 //! A strip that is bent at rest, or sags.
 
 use super::acting::read_as;
-use super::{About, Effect, EffectParameter, Scale, Search};
+use super::{About, EffectParameter, Equation, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,10 +26,8 @@ static ABOUT: About = About {
     sources: "sag of a cantilever under its weight",
 };
 
-impl Effect for Precurvature {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Precurvature {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         Search::of_offset(scale)

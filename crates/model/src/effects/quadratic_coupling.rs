@@ -1,6 +1,6 @@
 //! Bending with the square of the charge: Maxwell stress.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -30,15 +30,10 @@ static ABOUT: About = About {
     sources: "Maxwell stress against osmotic pressure (Leronni and Bardella 2017)",
 };
 
-impl Effect for QuadraticCoupling {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for QuadraticCoupling {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.charge_c == 0.0 {
             return Search::none();
         }

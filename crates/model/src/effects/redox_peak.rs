@@ -1,6 +1,6 @@
 //! Charge stored by a reaction at one potential.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Coefficients, Law, Now, RunContext, System};
 
 /// See the module.
@@ -68,10 +68,8 @@ impl Law for Peak {
     }
 }
 
-impl Effect for RedoxPeak {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for RedoxPeak {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let Some(slowest) = scale.base.branches.last() else {

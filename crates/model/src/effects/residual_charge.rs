@@ -1,6 +1,6 @@
 //! A strip that was not discharged before the run.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,10 +25,8 @@ static ABOUT: About = About {
     sources: "discharge of porous electrodes over many time constants",
 };
 
-impl Effect for ResidualCharge {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ResidualCharge {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         if variant == 1 && scale.base.branches.len() < 2 {

@@ -1,7 +1,7 @@
 //! Resistances that move with the clock.
 
 use super::acting::{instant, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,10 +26,8 @@ static ABOUT: About = About {
     sources: "drying and ageing of membranes",
 };
 
-impl Effect for ResistanceDrift {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ResistanceDrift {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, _scale: &Scale) -> Search {
         Search::over(0.03, vec![Limits::linear(-0.8, 2.0)], &[])

@@ -1,6 +1,6 @@
 //! Inertia of the strip: it overshoots and rings.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -93,15 +93,10 @@ impl Observation for Oscillator {
     }
 }
 
-impl Effect for Resonance {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Resonance {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let most = 2.0;
         if scale.shortest_s > 5.0 * most {
             return Search::none();

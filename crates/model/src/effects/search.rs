@@ -137,11 +137,7 @@ impl Search {
     /// One addition to the curvature, of either sign and as large as the curvature itself.
     pub fn of_offset(scale: &Scale) -> Search {
         let most = scale.curvature_per_cm;
-        if most == 0.0 {
-            Search::none()
-        } else {
-            Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[])
-        }
+        Search::over(0.01 * most, vec![Limits::linear(-most, most)], &[])
     }
 
     /// Nothing to seek in these data.

@@ -1,6 +1,6 @@
 //! Two rates of back-relaxation.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RelaxationMode, RunContext, System};
 
 /// See the module.
@@ -39,15 +39,10 @@ static ABOUT: About = About {
     sources: "generalised Maxwell solid",
 };
 
-impl Effect for SecondRelaxation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SecondRelaxation {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.base.relaxation_rate_per_s <= 0.0 {
             return Search::none();
         }

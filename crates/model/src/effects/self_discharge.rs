@@ -1,6 +1,6 @@
 //! The slow branch loses its charge inside.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -25,10 +25,8 @@ static ABOUT: About = About {
     sources: "self-discharge of porous supercapacitors",
 };
 
-impl Effect for SelfDischarge {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SelfDischarge {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let Some(slowest) = scale.base.branches.last() else {

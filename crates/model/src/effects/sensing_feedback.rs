@@ -1,7 +1,7 @@
 //! Motion that gives a voltage of its own.
 
 use super::acting::instant;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// No motion gives more, V: where another effect makes the loop run away, numbers stay finite.
@@ -29,15 +29,10 @@ static ABOUT: About = About {
     sources: "sensing by ionic polymer strips",
 };
 
-impl Effect for SensingFeedback {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SensingFeedback {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let conductance: f64 = scale
             .base
             .branches

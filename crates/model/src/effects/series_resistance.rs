@@ -1,6 +1,6 @@
 //! Resistance of contact, clip or lead in series with the strip.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,10 +25,8 @@ static ABOUT: About = About {
     sources: "potentiostat manuals on uncompensated resistance",
 };
 
-impl Effect for SeriesResistance {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SeriesResistance {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let parallel: f64 = scale

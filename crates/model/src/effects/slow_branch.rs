@@ -1,6 +1,6 @@
 //! A third, slower R-C branch: slow pores, or charge that is redistributed between them.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -38,10 +38,8 @@ static ABOUT: About = About {
     sources: "redistribution of charge in supercapacitors (Sedlakova 2013); catalogue of circuits, thesis figure 8",
 };
 
-impl Effect for SlowBranch {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SlowBranch {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let (_, slowest_s) = scale.time_constants_s();

@@ -1,7 +1,7 @@
 //! Bending that is not proportional to the bending moment.
 
 use super::acting::read_as;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -51,15 +51,10 @@ fn bent(b: f64, k: f64) -> f64 {
     }
 }
 
-impl Effect for Softening {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Softening {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let square = scale.curvature_per_cm * scale.curvature_per_cm;
         // The forms part where the strip bends far.
         let (small, most) = if variant == 0 { (0.01, 1.0) } else { (1.0, 3.0) };

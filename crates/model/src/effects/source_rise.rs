@@ -1,6 +1,6 @@
 //! A source that takes time to reach its level.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -33,10 +33,8 @@ static ABOUT: About = About {
 /// No source that is used for steps is slower, s.
 const SLOWEST_S: f64 = 0.5;
 
-impl Effect for SourceRise {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for SourceRise {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let most = SLOWEST_S;

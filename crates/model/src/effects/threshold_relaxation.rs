@@ -1,7 +1,7 @@
 //! Relaxation that quickens above a voltage.
 
 use super::acting::instant;
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// Width of the step in terms of the threshold: the rate goes from a tenth to nine tenths of its growth within 22 % of it.
@@ -52,15 +52,10 @@ static ABOUT: About = About {
     sources: "back-relaxation of ionic polymer strips faster at high voltage (Virginia Tech thesis 2005)",
 };
 
-impl Effect for ThresholdRelaxation {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for ThresholdRelaxation {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         let volts = scale.voltage_v;
         if volts == 0.0 || scale.base.relaxation_rate_per_s <= 0.0 {
             return Search::none();

@@ -1,6 +1,6 @@
 //! Curvature computed from the tip's displacement by a formula for small bending.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{Observation, RunContext, System};
 
 /// See the module.
@@ -37,13 +37,11 @@ impl Observation for Formula {
     }
 }
 
-impl Effect for TipFormula {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for TipFormula {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 || scale.length_cm.is_none() {
+        if scale.length_cm.is_none() {
             return Search::none();
         }
         Search::over(1.0, vec![Limits::held()], &[])

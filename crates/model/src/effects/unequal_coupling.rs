@@ -1,6 +1,6 @@
 //! Branches whose charge bends the strip unequally.
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -25,15 +25,10 @@ static ABOUT: About = About {
     sources: "ions of unlike size in pores of unlike size",
 };
 
-impl Effect for UnequalCoupling {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for UnequalCoupling {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
-        if scale.curvature_per_cm == 0.0 {
-            return Search::none();
-        }
         if scale.base.branches.len() < 2 {
             return Search::none();
         }

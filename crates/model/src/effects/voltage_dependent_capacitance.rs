@@ -1,7 +1,7 @@
 //! Capacitance that depends on the voltage across it, the same for both signs.
 
 use super::acting::{instant, scale_capacitances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -26,10 +26,8 @@ static ABOUT: About = About {
     sources: "Aureli and Porfiri 2008; Cottinet et al. 2011",
 };
 
-impl Effect for VoltageDependentCapacitance {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for VoltageDependentCapacitance {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let square = scale.voltage_v * scale.voltage_v;

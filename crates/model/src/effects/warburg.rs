@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{BranchLaw, RunContext, System};
 
 /// See the module.
@@ -83,10 +83,8 @@ fn branches(capacitance: f64, time_s: f64) -> impl Iterator<Item = BranchLaw> {
         .map(move |(part, time)| BranchLaw::added(capacitance * part, time_s * time))
 }
 
-impl Effect for Warburg {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for Warburg {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, _variant: usize, scale: &Scale) -> Search {
         let longest_s = scale.longest_s();

@@ -1,7 +1,7 @@
 //! Resistances that follow the water taken from the air.
 
 use super::acting::{APPROACHES, approached, instant, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -43,10 +43,8 @@ static ABOUT: About = About {
 /// changes faster is another cause.
 const SHORTEST_S: f64 = 10.0;
 
-impl Effect for WaterExchange {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for WaterExchange {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let longest_s = scale.longest_s();

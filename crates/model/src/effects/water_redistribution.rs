@@ -1,7 +1,7 @@
 //! Water that the current carries along.
 
 use super::acting::{LEAST, remembering, scale_resistances};
-use super::{About, Effect, EffectParameter, Limits, Scale, Search};
+use super::{About, EffectParameter, Equation, Limits, Scale, Search};
 use crate::extended::{RunContext, System};
 
 /// See the module.
@@ -42,10 +42,8 @@ static ABOUT: About = About {
 /// Fastest way back of water that the current moved, by diffusion across a strip of 0.1 mm (1e-9 m2/s, as in free water).
 const SHORTEST_S: f64 = 3.0;
 
-impl Effect for WaterRedistribution {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
+impl Equation for WaterRedistribution {
+    const ABOUT: &'static About = &ABOUT;
 
     fn search(&self, variant: usize, scale: &Scale) -> Search {
         let areal = scale.charge_c / scale.area_cm2;

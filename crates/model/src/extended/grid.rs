@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ieap_domain::Level;
+use ieap_numerics::sums::peak;
 
 use super::knots::{Places, enough};
 use super::source::ramp_ends;
@@ -225,7 +226,7 @@ fn resolved_s(system: &System, opens: bool) -> Option<f64> {
 /// resolution of numbers lets time go on by. The levels of a voltage that moves all the time are no edges: they are as fine
 /// as it is followed at all, and each is a step.
 fn refined(time_s: &[f64], edges_s: &[f64], first_s: f64, growth: f64) -> Vec<f64> {
-    let furthest_s = time_s.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
+    let furthest_s = peak(time_s);
     let first_s = first_s.max(FINEST * furthest_s);
     let mut edges = edges_s.iter().copied().peekable();
     let mut edge_s = f64::NEG_INFINITY;

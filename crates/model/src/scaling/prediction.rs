@@ -10,6 +10,7 @@ use crate::distributed::{Laminate, LumpedError};
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
 use ieap_domain::Drive;
+use ieap_numerics::line::halved;
 
 /// Links of the chain that a strip's shape is drawn with.
 pub const LINKS: usize = 40;
@@ -278,15 +279,7 @@ pub fn largest_electrode_resistance(model: &LumpedModel, to: &StripSize, toleran
     while is_enough(too_much) && too_much < 1e12 {
         (enough, too_much) = (too_much, 2.0 * too_much);
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (enough + too_much);
-        if is_enough(middle) {
-            enough = middle
-        } else {
-            too_much = middle
-        }
-    }
-    enough
+    halved(enough, too_much, 60, is_enough).0
 }
 
 #[cfg(test)]

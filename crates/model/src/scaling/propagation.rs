@@ -1,6 +1,7 @@
 //! Errors of identified parameters carried into what they predict, to first order.
 
 use ieap_domain::Drive;
+use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::size::{StripSize, UNIT_SIZE};
@@ -150,17 +151,11 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
     let slopes = derivatives(&identified, &at, respond);
     let weights = [read.current.1, read.curvature.1]
         .map(|deviation| if deviation > 0.0 { deviation.powi(-2) } else { 0.0 });
-    let mut information = Symmetric::zero(n);
-    for j in 0..n {
-        for k in 0..n {
-            let of_channel = |which: usize| -> f64 {
-                let pairs = slopes[j][which].iter().zip(&slopes[k][which]);
-                weights[which] * pairs.map(|(a, b)| a * b).sum::<f64>()
-            };
-            let scaled = (of_channel(0) + of_channel(1)) * standard_errors[j] * standard_errors[k];
-            information.add(j, k, scaled + if j == k { OWN_INFORMATION } else { 0.0 });
-        }
-    }
+    let information = Symmetric::from_fn(n, |j, k| {
+        let of_channel = |which: usize| weights[which] * dot(&slopes[j][which], &slopes[k][which]);
+        let scaled = (of_channel(0) + of_channel(1)) * standard_errors[j] * standard_errors[k];
+        scaled + if j == k { OWN_INFORMATION } else { 0.0 }
+    });
     let inverse = information.inverse(1e-14);
     let entry = |j: usize, k: usize| {
         let scale = (inverse.get(j, j) * inverse.get(k, k)).sqrt();

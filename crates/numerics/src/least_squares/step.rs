@@ -1,6 +1,7 @@
 //! One damped step in a box, and how the damping learns from what became of it.
 
 use super::{Bounds, Local};
+use crate::sums::peak;
 use crate::symmetric::Symmetric;
 
 /// How steps are kept short where the local model does not hold.
@@ -139,7 +140,7 @@ impl Step {
         let scaled = taken.iter().zip(scales).map(|(t, scale)| scale * t * t);
         Some(Step {
             to: (0..n).map(|k| bounds.nearest(k, at[k] + taken[k])).collect(),
-            moved: taken.iter().fold(0.0, |most: f64, t| most.max(t.abs())),
+            moved: peak(&taken),
             length: scaled.fold(0.0, |sum, square| sum + square).sqrt(),
             expected: (2.0 * linear - local.normal.form(&taken, &taken)).max(0.0),
         })

@@ -2,7 +2,7 @@
 
 use super::model::{MixedModel, Unit};
 use crate::dense::Matrix;
-use crate::grouped::dot;
+use crate::sums::{add, dot};
 use crate::symmetric::Symmetric;
 
 /// Least variance of a reading, part of the largest: its inverse must stay a number.
@@ -179,9 +179,7 @@ impl<'a> Block<'a> {
         let mut off = vec![0.0; self.middle.count_rows()];
         for (unit, sums) in &self.units {
             let left = sums.off(1, dot(&unit.fixed, coefficients));
-            off.iter_mut()
-                .zip(&unit.random)
-                .for_each(|(sum, z)| *sum += z * left);
+            add(&mut off, left, &unit.random);
         }
         let taken = self.middle.times_vector(&off);
         (off, taken)
@@ -197,7 +195,7 @@ impl<'a> Block<'a> {
             squares[0] += sums.off_square(1, said(unit));
             squares[1] += sums.off_square(2, said(unit) + own);
         }
-        squares[0] -= off.iter().zip(&taken).map(|(a, b)| a * b).sum::<f64>();
+        squares[0] -= dot(&off, &taken);
         let back = self.random.times_vector(&taken);
         (off.iter().zip(back).map(|(a, b)| a - b).collect(), squares)
     }

@@ -10,7 +10,7 @@ use super::at::Likely;
 use super::block::{blocks, least_variance};
 use super::estimated::Estimated;
 use super::model::{MixedModel, Reading, Unit};
-use crate::grouped::dot;
+use crate::sums::dot;
 
 /// Part of all readings that are of something else, before they are looked at: a run in a hundred. Chosen;
 /// `cargo unit -p ieap-analysis study::tests` counts what follows: with nothing odd, and with two runs swapped.

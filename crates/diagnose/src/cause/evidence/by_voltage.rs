@@ -1,6 +1,7 @@
 //! What parameters that differ are worth on runs that were not measured: as laws of the voltage they predict the drive left out.
 
 use ieap_domain::number::significant;
+use ieap_numerics::sums;
 
 use crate::cause::proof::held_out::{HeldOut, drives, left_out_by, predicted_part};
 use crate::fitting::fitted::Fitted;
@@ -71,7 +72,7 @@ fn distinct(group: &RunGroup) -> Option<Vec<f64>> {
 /// The value at `x` of the line through `values` over `over`, each as far off it as all are alike or as its own error says; none
 /// where all lie at one place.
 fn on_line(over: &[f64], values: &[f64], errors: &[f64], x: f64) -> Option<f64> {
-    let middle = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    let middle = sums::mean(errors);
     let weight = |k: usize| {
         (middle * middle + errors[k] * errors[k])
             .max(f64::MIN_POSITIVE)

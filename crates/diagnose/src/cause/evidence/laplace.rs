@@ -4,6 +4,7 @@
 //! Parameters of the base are fitted anew beside every effect and not integrated: an effect that leaves them undetermined
 //! would gain by the mere width of their flat prior.
 
+use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::policy::{KNOWN_BEFORE, SIZES};
@@ -27,7 +28,7 @@ fn log_widths(fitted: &Fitted) -> f64 {
     let (slope, _) = fitted.problem.slope(&fitted.at);
     let known = fitted.problem.base_len();
     let mut normal = known_before(&slope.normal, known);
-    let base = block(&normal, known).log_determinant();
+    let base = normal.first(known).log_determinant();
     let mut at = known;
     let mut priors = Vec::new();
     for free_effect in &fitted.problem.effects {
@@ -96,25 +97,13 @@ impl Prior {
     }
 }
 
-/// The first rows and columns.
-fn block(normal: &Symmetric, order: usize) -> Symmetric {
-    let mut part = Symmetric::zero(order);
-    for a in 0..order {
-        for b in 0..order {
-            part.add(a, b, normal.get(a, b));
-        }
-    }
-    part
-}
-
 /// Precision of coordinate `k` where the parameters of the base (the first `base` coordinates) are free and its fellows are
 /// held.
 fn precision_beside(normal: &Symmetric, base: usize, k: usize) -> f64 {
-    let part = block(normal, base);
+    let part = normal.first(base);
     let across: Vec<f64> = (0..base).map(|a| normal.get(a, k)).collect();
     let taken_up = part.solve(&across, 1e-12);
-    let absorbed: f64 = taken_up.iter().zip(&across).map(|(x, y)| x * y).sum();
-    (normal.get(k, k) - absorbed).max(1e-12 * normal.get(k, k))
+    (normal.get(k, k) - dot(&taken_up, &across)).max(1e-12 * normal.get(k, k))
 }
 
 /// The matrix with what is known of the first `base` coordinates before any reading.

@@ -82,10 +82,7 @@ pub(super) fn fit(base: &Fitted, own: &[usize], runs: &[usize], starts: &[Vec<f6
     let runs: Vec<Vec<f64>> = (0..starts.len())
         .map(|run| layout.of_run(run, &bottom.at))
         .collect();
-    let error = |run: usize, k: usize| {
-        let place = layout.place(run, k);
-        inverse.get(place, place).max(0.0).sqrt()
-    };
+    let error = |run: usize, k: usize| inverse.error(layout.place(run, k));
     Shared {
         standard_errors: (0..starts.len())
             .map(|run| (0..parameters).map(|k| error(run, k)).collect())

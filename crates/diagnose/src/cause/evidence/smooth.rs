@@ -47,16 +47,9 @@ impl Process {
             .iter()
             .map(|column| tangent.basis().iter().map(|q| column.with(q)).collect())
             .collect();
-        let mut products = Symmetric::zero(columns.len());
-        for (a, left) in columns.iter().enumerate() {
-            for (b, right) in columns[..=a].iter().enumerate() {
-                let product = left.with_column(right) - dot(&absorbed[a], &absorbed[b]);
-                products.add(a, b, product);
-                if a != b {
-                    products.add(b, a, product);
-                }
-            }
-        }
+        let products = Symmetric::from_fn(columns.len(), |a, b| {
+            columns[a].with_column(&columns[b]) - dot(&absorbed[a], &absorbed[b])
+        });
         let mut process = Process {
             with_residuals: columns.iter().map(|column| column.with(&left)).collect(),
             products,
@@ -73,10 +66,7 @@ impl Process {
     /// Makes a column one that acts on nothing.
     fn forget(&mut self, column: usize) {
         self.with_residuals[column] = 0.0;
-        for other in 0..self.products.order() {
-            self.products.set(column, other, 0.0);
-            self.products.set(other, column, 0.0);
-        }
+        (0..self.products.order()).for_each(|other| self.products.set(column, other, 0.0));
     }
 
     /// The same with columns of such a size that one of amplitude `d` leaves `d` standard deviations on average; none where
@@ -87,13 +77,7 @@ impl Process {
         if !(trace > NOTHING && trace.is_finite()) {
             return None;
         }
-        let mut scaled = Symmetric::zero(order);
-        for a in 0..order {
-            for b in 0..order {
-                scaled.add(a, b, self.products.get(a, b) / trace);
-            }
-        }
-        self.products = scaled;
+        self.products = Symmetric::from_fn(order, |a, b| self.products.get(a, b) / trace);
         self.with_residuals.iter_mut().for_each(|v| *v /= trace.sqrt());
         Some(self)
     }
@@ -141,13 +125,10 @@ impl Process {
         if amplitude == 0.0 || order == 0 {
             return (0.0, 0.0);
         }
-        let mut precision = Symmetric::zero(order);
-        for a in 0..order {
-            for b in 0..order {
-                precision.add(a, b, amplitude * amplitude * self.products.get(a, b));
-            }
-            precision.add(a, a, 1.0);
-        }
+        let unit = |a, b| f64::from(u8::from(a == b));
+        let precision = Symmetric::from_fn(order, |a, b| {
+            amplitude * amplitude * self.products.get(a, b) + unit(a, b)
+        });
         let right: Vec<f64> = self.with_residuals.iter().map(|v| amplitude * v).collect();
         let explained = dot(&precision.solve(&right, 1e-14), &right);
         (0.5 * explained, -0.5 * precision.log_determinant())

@@ -5,6 +5,7 @@ use super::smooth::{Column, Knots, Process, shared_since_edge};
 use crate::fitting::tangent::Tangent;
 use crate::readings::group::RunGroup;
 use ieap_domain::Level;
+use ieap_numerics::sums::mean;
 
 /// Hypotheses without a name beside which every effect is held, as columns that do not depend on the model.
 pub(crate) struct Nameless {
@@ -71,9 +72,8 @@ fn parts(columns: &[Column], tangent: &Tangent, left: &[f64]) -> Parts {
 fn whitened(group: &RunGroup, place: usize, mut series: Vec<f64>) -> (usize, Vec<f64>) {
     let block = &group.blocks[place];
     if let Some(channel) = group.channel(block) {
-        let sd = channel.standard_deviation();
-        let mean = sd.iter().sum::<f64>() / sd.len().max(1) as f64;
-        series.iter_mut().for_each(|v| *v *= mean);
+        let size = mean(channel.standard_deviation());
+        series.iter_mut().for_each(|v| *v *= size);
         channel.whiten(&mut series);
     }
     (block.first, series)

@@ -5,9 +5,10 @@
 //! mean with a spread of its own, one that follows the voltage or a tag lies on a line.
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_domain::{Hypothesis, HypothesisKind, Ratio, VaryingParameter, VaryingValue};
+use ieap_domain::{Hypothesis, HypothesisKind, Ratio, VaryingParameter, VaryingValue, range_of};
 use ieap_model::FitModel;
 use ieap_numerics::random_effects::{Form, Shared};
+use ieap_numerics::sums;
 use ieap_numerics::symmetric::Symmetric;
 
 use super::by_voltage;
@@ -228,9 +229,9 @@ pub(super) fn covariates(group: &RunGroup) -> Vec<Covariate> {
 
 /// None where all runs have the same, or each of two runs its own: two points lie on any line.
 fn scaled(name: String, at: Vec<f64>) -> Option<Covariate> {
-    let low = at.iter().copied().fold(f64::INFINITY, f64::min);
-    let span = at.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low;
-    let mean = at.iter().sum::<f64>() / at.len().max(1) as f64;
+    let (low, high) = range_of(at.iter().copied());
+    let span = high - low;
+    let mean = sums::mean(&at);
     (at.len() > 2 && span > 1e-9).then(|| Covariate {
         at: at.iter().map(|x| (x - mean) / span).collect(),
         name,
@@ -298,34 +299,28 @@ fn along(forms: &[Form], set: &[usize], at: &[f64], spread: f64) -> f64 {
     let n = forms[0].pull.len();
     let all = n + set.len();
     let place = |k: usize| if k < n { k } else { set[k - n] };
-    let mut shared = Symmetric::zero(all);
-    let mut pull = vec![0.0; all];
-    let mut square = 0.0;
-    for (form, at) in forms.iter().zip(at) {
-        let factor = |k: usize| if k < n { 1.0 } else { spread * at };
-        square += form.at_origin;
-        for (a, pull) in pull.iter_mut().enumerate() {
-            *pull += factor(a) * form.pull[place(a)];
-            for b in 0..all {
-                shared.add(
-                    a,
-                    b,
-                    factor(a) * factor(b) * form.precision.get(place(a), place(b)),
-                );
-            }
-        }
-    }
+    let factor = |at: f64, k: usize| if k < n { 1.0 } else { spread * at };
+    let each = || forms.iter().zip(at);
     // Rises in units of their spread have a variance of one; what is shared has its own prior in `concluded`.
-    for k in n..all {
-        shared.add(k, k, 1.0 - KNOWN_BEFORE);
-    }
-    let all = Shared {
-        precision: shared,
-        pull,
-        square,
+    let own = |a: usize, b: usize| if a == b && a >= n { 1.0 - KNOWN_BEFORE } else { 0.0 };
+    let precision = |a: usize, b: usize| {
+        let of = |(form, at): (&Form, &f64)| {
+            factor(*at, a) * factor(*at, b) * form.precision.get(place(a), place(b))
+        };
+        each().map(of).sum::<f64>() + own(a, b)
+    };
+    let pull = |k: usize| {
+        each()
+            .map(|(form, at)| factor(*at, k) * form.pull[place(k)])
+            .sum()
+    };
+    let shared = Shared {
+        precision: Symmetric::from_fn(all, precision),
+        pull: (0..all).map(pull).collect(),
+        square: forms.iter().map(|form| form.at_origin).sum(),
         log_widths: 0.0,
     };
-    all.log_evidence(KNOWN_BEFORE)
+    shared.log_evidence(KNOWN_BEFORE)
 }
 
 #[cfg(test)]

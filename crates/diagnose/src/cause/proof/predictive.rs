@@ -81,17 +81,7 @@ fn information(columns: &[Vec<f64>], known: &[f64], out: &[bool]) -> f64 {
 /// J'J of the rows that are not `out`.
 pub(crate) fn normal(columns: &[Vec<f64>], out: &[bool]) -> Symmetric {
     let kept: Vec<Vec<f64>> = columns.iter().map(|column| kept(column, out)).collect();
-    let mut normal = Symmetric::zero(columns.len());
-    for (a, left) in kept.iter().enumerate() {
-        for (b, right) in kept[..=a].iter().enumerate() {
-            let product = dot(left, right);
-            normal.add(a, b, product);
-            if a != b {
-                normal.add(b, a, product);
-            }
-        }
-    }
-    normal
+    Symmetric::from_fn(columns.len(), |a, b| dot(&kept[a], &kept[b]))
 }
 
 /// Rows that are not `out`; all where nothing is said.

@@ -1,9 +1,6 @@
 //! Products of columns, and columns made orthonormal.
 
-/// Takes so much of a series off another one.
-pub(super) fn take(series: &[f64], by: f64, out: &mut [f64]) {
-    out.iter_mut().zip(series).for_each(|(out, own)| *out -= by * own);
-}
+use ieap_numerics::sums::add;
 
 /// Columns made orthonormal over so many of their entries (Gram and Schmidt, twice); dependent ones fall out.
 pub(super) fn orthonormal(columns: Vec<Vec<f64>>, over: usize) -> Vec<Vec<f64>> {
@@ -14,7 +11,7 @@ pub(super) fn orthonormal(columns: Vec<Vec<f64>>, over: usize) -> Vec<Vec<f64>> 
         for _ in 0..2 {
             for shape in &found {
                 let part = inner(&shape[..over], &column[..over]);
-                take(shape, part, &mut column);
+                add(&mut column, -part, shape);
             }
         }
         let norm = norm(&column);

@@ -3,6 +3,7 @@
 use crate::joint::whitening::sum_of_logs;
 use crate::sampled::Sampled;
 use ieap_numerics::correlation::NOISE_EVIDENCE;
+use ieap_numerics::sums;
 
 use super::smooth::Smooth;
 
@@ -16,7 +17,7 @@ pub(super) struct Growth {
 /// Even noise unless the likelihood asks for `sqrt(1 + (b signal)^2)`.
 pub(super) fn growth(smooth: &Smooth, sampled: &Sampled) -> Growth {
     let n = sampled.len() as f64;
-    let peak = smooth.level.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let peak = sums::peak(&smooth.level);
     let spread = sampled.spread();
     let even = Growth {
         scale: spread.clone(),

@@ -2,12 +2,13 @@
 //! made white, cost next to nothing.
 
 use ieap_numerics::decay::blocks;
+use ieap_numerics::sums::add;
 
 use crate::joint::nodes::Nodes;
 use crate::joint::whitening::Whitener;
 use crate::sampled::{Sampled, Span};
 
-use super::columns::{inner, orthonormal, take};
+use super::columns::{inner, orthonormal};
 use super::lagged::{Products, products};
 use super::spread::{add_decay, rates_per_s};
 
@@ -48,8 +49,8 @@ impl ShortShapes {
         for shape in &shapes {
             let (shape, parts) = shape.split_at(rest.len());
             let part = inner(shape, &rest);
-            take(shape, part, &mut rest);
-            take(parts, -part, &mut amplitudes);
+            add(&mut rest, -part, shape);
+            add(&mut amplitudes, part, parts);
         }
         let blocks = blocks(&elapsed_s, 0, elapsed_s.len());
         for (rate, amplitude) in rates_per_s.iter().zip(&amplitudes) {
@@ -74,7 +75,7 @@ impl ShortShapes {
         let shape = |parts: &Vec<f64>| {
             let mut shape = vec![0.0; columns[0].len()];
             let each = columns.iter().zip(parts).filter(|(_, part)| **part != 0.0);
-            each.for_each(|(column, part)| take(column, -part, &mut shape));
+            each.for_each(|(column, part)| add(&mut shape, *part, column));
             shape
         };
         self.parts.iter().map(shape).collect()

@@ -5,11 +5,12 @@ use std::cell::OnceCell;
 
 use ieap_domain::{Drive, Level};
 use ieap_numerics::decay::blocks;
+use ieap_numerics::sums::add;
 
 use crate::joint::policy::{POWERS, READINGS_PER_ANSWER};
 use crate::sampled::{Sampled, Span};
 
-use super::columns::{inner, orthonormal, take};
+use super::columns::{inner, orthonormal};
 use super::short_shapes::ShortShapes;
 use super::spread::{add_decay, rates_per_s, time_constants_s};
 
@@ -37,7 +38,7 @@ impl Smooth {
         smooth.short = sampled.spans.iter().map(short).collect();
         if let Some(short) = &smooth.short {
             smooth.terms = short.iter().map(ShortShapes::count).sum();
-            take(&smooth.level, 1.0, &mut smooth.rest);
+            add(&mut smooth.rest, -1.0, &smooth.level);
             return smooth;
         }
         smooth.level.fill(0.0);
@@ -47,8 +48,8 @@ impl Smooth {
             let level = &mut smooth.level[span.first..span.end];
             for shape in shapes {
                 let part = inner(shape, rest);
-                take(shape, part, rest);
-                take(shape, -part, level);
+                add(rest, -part, shape);
+                add(level, part, shape);
             }
         }
         smooth.terms = whole.iter().map(Vec::len).sum();

@@ -1,8 +1,8 @@
 //! Exponentials whose time constants are spread over a segment.
 
 use ieap_numerics::decay::{BLOCK, Block, Decay};
+use ieap_numerics::sums::add;
 
-use super::columns::take;
 use crate::joint::policy::{CLOSEST_SHAPES_LOG, GONE_AT, MOST_SHAPES};
 
 /// The rate of a constant, and those of exponentials that are spread over the segment.
@@ -26,7 +26,7 @@ pub(super) fn add_decay(
             break;
         }
         decay.fill(block, elapsed_s, &mut own);
-        take(&own, -amplitude, &mut out[block.first..block.first + block.len]);
+        add(&mut out[block.first..block.first + block.len], amplitude, &own);
     }
 }
 

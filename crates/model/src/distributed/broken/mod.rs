@@ -9,6 +9,7 @@
 use super::DistributedModel;
 use super::field::StripField;
 use crate::relaxation::spring_response;
+use ieap_numerics::sums::add;
 use ieap_numerics::symmetric::Symmetric;
 
 /// Degree of the polynomials on either side.
@@ -199,9 +200,7 @@ impl BrokenStrip {
                 .map(|(degree, c)| c * legendre[*degree])
                 .sum();
             if value != 0.0 {
-                for (mode, vector) in modes.iter_mut().zip(&self.vectors[unknown]) {
-                    *mode += value * vector;
-                }
+                add(&mut modes, value, &self.vectors[unknown]);
             }
         }
         modes

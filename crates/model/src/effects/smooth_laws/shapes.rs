@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use ieap_numerics::symmetric::Symmetric;
+use ieap_numerics::least_squares::Local;
 
 use super::axis::{Axis, Curve, WEIGHTS};
 
@@ -135,12 +135,10 @@ fn weights(low: f64, curve: &dyn Fn(f64) -> f64) -> Vec<f64> {
     let bells: Vec<Vec<f64>> = (0..WEIGHTS)
         .map(|k| (0..POINTS).map(|p| one(k).at(place(p))).collect())
         .collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut normal = Symmetric::from_fn(WEIGHTS, |a, b| dot(&bells[a], &bells[b]));
-    (0..WEIGHTS).for_each(|k| normal.add(k, k, RIDGE));
     let values: Vec<f64> = (0..POINTS).map(|p| curve(place(p))).collect();
-    let right: Vec<f64> = bells.iter().map(|bell| dot(bell, &values)).collect();
-    normal.solve(&right, 1e-14)
+    let mut told = Local::of(&values, &bells);
+    (0..WEIGHTS).for_each(|k| told.normal.add(k, k, RIDGE));
+    told.normal.solve(&told.descent, 1e-14)
 }
 
 #[cfg(test)]
