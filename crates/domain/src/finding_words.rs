@@ -162,8 +162,24 @@ fn cause(law: &MissingLaw, about: &About) -> String {
 pub fn short_name(law: &MissingLaw) -> String {
     match (&law.name, &law.law, &law.variable) {
         (Some(name), ..) => name.clone(),
-        (_, Some(law), Some(variable)) => format!("{law} by {variable}"),
+        (_, Some(law), Some(variable)) => format!("{law} by {}", variable_words(variable)),
         _ => format!("something in the {}", law.place),
+    }
+}
+
+/// What a law follows, in words, by its key.
+pub fn variable_words(variable: &str) -> &str {
+    match variable {
+        "time_s" => "time",
+        "time_since_edge_s" => "the time since the last change of the voltage",
+        "voltage_v" => "the voltage",
+        "charge_c_per_cm2" => "the charge",
+        "curvature_per_cm" => "the curvature",
+        "current_a_per_cm2" => "the size of the current",
+        "heat" => "the heat put in of late",
+        "flow" => "the charge that flowed of late",
+        "history" => "what went before",
+        other => other,
     }
 }
 

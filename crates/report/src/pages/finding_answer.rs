@@ -147,9 +147,12 @@ fn size_words(found: &GroupDiagnosis) -> String {
     }
 }
 
-/// The size of every effect that was found; none where there is none.
+/// The size of every effect that was found; none where there is none. A law without a name is drawn: the weights of its
+/// curve tell nobody anything.
 pub fn strengths(found: &GroupDiagnosis, findings: &Findings) -> Option<Block> {
-    let sizes = found.effects.iter().map(|effect| strength(effect, findings));
+    let is_drawn = |effect: &&EffectFinding| findings.laws.iter().any(|law| law.id == effect.effect);
+    let named = found.effects.iter().filter(|effect| !is_drawn(effect));
+    let sizes = named.map(|effect| strength(effect, findings));
     let sizes: Vec<Block> = sizes.map(Block::Say).collect();
     (!sizes.is_empty()).then(|| Block::part("How strong it is", sizes))
 }

@@ -14,7 +14,6 @@ pub use axis::WEIGHTS;
 pub use law::{Drawn, Place, SmoothLaw};
 pub use list::{SMOOTH_LAWS, smooth_law};
 pub use shapes::{Shape, Textbook};
-pub use words::variable_words;
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,7 @@
 //! Laws in words.
 
+use ieap_domain::finding_words::variable_words;
+
 use super::law::Place;
 
 impl Place {
@@ -31,21 +33,5 @@ impl Place {
             }
             (law, _) => format!("{law} changes with {with}"),
         }
-    }
-}
-
-/// A variable in words.
-pub fn variable_words(variable: &str) -> &str {
-    match variable {
-        "time_s" => "time",
-        "time_since_edge_s" => "the time since the last change of the voltage",
-        "voltage_v" => "the voltage",
-        "charge_c_per_cm2" => "the charge",
-        "curvature_per_cm" => "the curvature",
-        "current_a_per_cm2" => "the size of the current",
-        "heat" => "the heat put in of late",
-        "flow" => "the charge that flowed of late",
-        "history" => "what went before",
-        other => other,
     }
 }
