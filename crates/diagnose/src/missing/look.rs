@@ -1,5 +1,6 @@
 //! A misfit looked at: everything weighed, what leads held out, law after law, the account of the error, and what is told.
 
+use ieap_domain::finding_words::variable_words;
 use ieap_domain::{Account, HeldOutError, Hypothesis, MissingLaw, Verdict};
 use ieap_model::FitModel;
 use ieap_model::effects::Site;
@@ -276,7 +277,10 @@ impl<'g> Round<'g> {
             };
             let (is_of_band, name) = match own.says {
                 Says::Equation(id) => (self.told.names.contains(&id), id.to_owned()),
-                _ => (false, format!("{} by {}", place.law, place.variable)),
+                _ => {
+                    let variable = variable_words(place.variable);
+                    (false, format!("{} by {variable}", place.law))
+                }
             };
             let is_new = !places.contains(&place) && held < SURE;
             if (is_of_band || is_new) && found.len() < MOST_RIVALS {
