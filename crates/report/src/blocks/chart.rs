@@ -232,9 +232,12 @@ fn set_aside_words(charts: &[Chart]) -> Vec<String> {
             }
         }
     }
-    let of_curve = |(name, is_within)| match is_within {
-        true => format!("Open dots, dashed: set aside, in no result: {name}."),
-        false => format!("Set aside, mostly outside the axes: {name}."),
+    let of_curve = |(name, is_within)| {
+        if is_within {
+            format!("Open dots, dashed: set aside, in no result: {name}.")
+        } else {
+            format!("Set aside, mostly outside the axes: {name}.")
+        }
     };
     let mut said: Vec<String> = curves.into_iter().map(of_curve).collect();
     if !marked.is_empty() {

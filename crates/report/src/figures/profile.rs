@@ -38,9 +38,10 @@ pub fn profile(
         return Ok(None);
     }
     let (quantity, unit) = (quantity.to_owned(), unit.to_owned());
-    let x = match ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
-        true => Range::log(quantity, unit),
-        false => Range::linear(quantity, unit),
+    let x = if ends.0 > 0.0 && ends.1 > DECADES * ends.0 {
+        Range::log(quantity, unit)
+    } else {
+        Range::linear(quantity, unit)
     };
     let x = x.with(ends.0).with(ends.1);
     let y = Range::linear("Rise of the sum of squares", "")
