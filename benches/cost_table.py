@@ -76,7 +76,7 @@ def of_main_job(ieap, work):
     took = scale.timed([ieap, "--quiet", "--no-progress", "run", campaign])
     shutil.rmtree(campaign)
     time = f"{rounded(took['seconds'])} s, {rounded(took['processor_seconds'])} s of processor time"
-    return f"| main job of 18 runs with diagnosis | {time} | `ieap run campaigns/thesis` |"
+    return f"| main job of 21 runs with diagnosis | {time} | none: README's first command |"
 
 
 def of_growth(ieap, work, runs, diagnose):
