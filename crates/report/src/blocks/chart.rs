@@ -43,7 +43,7 @@ const LOG_ROOM: f64 = 1.2;
 const LINE: u32 = 14;
 const GUIDE: u32 = 8;
 const RING: u32 = 9;
-/// Radius of readings, tenths of a px, and of those that are many.
+/// Radius of readings, tenths of a px, and the least.
 const DOT: i32 = 22;
 const SMALL_DOT: i32 = 9;
 /// The same of series that have an order: rings of several would hide each other.
@@ -51,7 +51,7 @@ const ORDERED_DOT: i32 = 14;
 /// Fewer readings than these hide nothing.
 const FEW: usize = 20;
 /// From so many readings on they are drawn as dots.
-const MOST_RINGS: usize = 150;
+const MOST_RINGS: usize = 80;
 /// The marks of [`marker`] as paths in a square of 100.
 const MARKS: [&str; 5] = [
     "M50 14a36 36 0 1 0 .1 0z",
@@ -415,7 +415,11 @@ fn draw_layer(
             let is_ordered = matches!(layer.ink, show::Ink::Ordered(..));
             let (points, radius, style) = match points.len() {
                 ..FEW if is_ordered => (points, DOT, ink.filled()),
-                MOST_RINGS.. => (thin::dots(&points), SMALL_DOT, ink.mix(0.6).filled()),
+                MOST_RINGS.. => {
+                    let dots = thin::dots(&points);
+                    let radius = radius_of(dots.len());
+                    (dots, radius, ink.mix(0.6).filled())
+                }
                 _ if is_ordered => (points, ORDERED_DOT, ink.filled()),
                 _ => (points, DOT, ink.stroke_width(RING)),
             };
@@ -469,6 +473,12 @@ fn draw_layer(
             lines(chart, "", level.collect(), ink.stroke_width(GUIDE))
         }
     }
+}
+
+/// Radius of readings that are many: their area together stays.
+fn radius_of(count: usize) -> i32 {
+    let part = MOST_RINGS as f64 / count.max(MOST_RINGS) as f64;
+    ((f64::from(DOT) * part.sqrt()).round() as i32).max(SMALL_DOT)
 }
 
 /// The band of a line, brought to the ends of the axis.
