@@ -1,6 +1,6 @@
 //! Candidate effects: what the lumped model may be missing. One file each, one list.
 //!
-//! An effect says where it acts in a [`System`](crate::extended::System), within which limits its parameters are sought, and at which
+//! An effect says where it acts in a [`System`], within which limits its parameters are sought, and at which
 //! shapes its signature is looked for. At strength 0 (the first parameter) it is absent.
 
 mod about;
