@@ -57,9 +57,10 @@ impl TableText {
     pub fn of(site: &Site, table: &Table) -> TableText {
         let (cells, repeated) = (grid(table), repeated(table));
         let is_number = |column: usize| {
-            let is_told = column >= table.stub && table.columns[column].key != RUNS.key;
+            let is_told = column >= table.stub;
             let mut cells = cells.iter().map(|row| &row[column]);
-            cells.all(|cell| cell.is_number() || is_told && is_read_as_number(&cell.text()))
+            table.columns[column].key != RUNS.key
+                && cells.all(|cell| cell.is_number() || is_told && is_read_as_number(&cell.text()))
         };
         let numbers: Vec<bool> = (0..table.columns.len()).map(is_number).collect();
         // A column in which no row says anything is not shown.
