@@ -57,10 +57,15 @@ impl TableText {
     pub fn of(site: &Site, table: &Table) -> TableText {
         let (cells, repeated) = (grid(table), repeated(table));
         let is_number = |column: usize| {
-            let is_told = column >= table.stub;
+            let is_of_runs = table.columns[column].key == RUNS.key;
+            let leads = is_of_runs
+                && table
+                    .rows
+                    .iter()
+                    .any(|row| !runs(site, &row.cells[column]).is_empty());
+            let is_told = column >= table.stub && !is_of_runs;
             let mut cells = cells.iter().map(|row| &row[column]);
-            table.columns[column].key != RUNS.key
-                && cells.all(|cell| cell.is_number() || is_told && is_read_as_number(&cell.text()))
+            !leads && cells.all(|cell| cell.is_number() || is_told && is_read_as_number(&cell.text()))
         };
         let numbers: Vec<bool> = (0..table.columns.len()).map(is_number).collect();
         // A column in which no row says anything is not shown.
