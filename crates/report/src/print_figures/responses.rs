@@ -7,6 +7,8 @@ use ieap_domain::{Level, Quantity, RunCurve, RunRecord};
 use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 
 const MILLI: f64 = 1e3;
+/// Readings of a run without a fit that have a mark, about.
+const MARKED: usize = 5;
 
 /// One response of one run.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,8 +79,15 @@ impl Line {
     /// Readings and what is simulated, which the legend calls `name`. A run that no result is made from is called by its own.
     fn layers(self, site: &Site, name: &str) -> [Layer; 2] {
         let ink = Ink::Series(self.style);
+        // What tells lines apart without colour stands on the readings where nothing is fitted.
+        let line = if self.fitted.is_empty() && !self.aside {
+            let few = (self.measured.len() / MARKED).max(1);
+            let marked: Vec<(f64, f64)> = self.measured.iter().skip(few / 2).step_by(few).copied().collect();
+            Layer::new(name, Mark::Marks, ink, marked)
+        } else {
+            Layer::new(name, Mark::MarkedLine, ink, self.fitted)
+        };
         let readings = Layer::new("", Mark::Readings, ink, self.measured);
-        let line = Layer::new(name, Mark::MarkedLine, ink, self.fitted);
         if !self.aside {
             return [readings, line];
         }
