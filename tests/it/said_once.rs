@@ -1,6 +1,7 @@
 //! What is said of a finding does not depend on where it is read: findings drawn at random, held beside every medium.
 
 use ieap::analysis::tables::named;
+use ieap::domain::diagnosis::LAW;
 use ieap::domain::finding_words::say;
 use ieap::domain::testing::{self, held_out, missing_law, parameter};
 use ieap::domain::{
@@ -438,8 +439,11 @@ fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
             media.sentences
         );
     }
-    let of_runs = tables_of(&media.page["how"], "Run").into_iter();
-    for table in of_runs.filter(|table| table["head"][1]["symbol"] == "Voltage, V") {
+    let mut of_runs = tables_of(&media.page["how"], "Run");
+    of_runs.retain(|table| table["head"][1]["symbol"] == "Voltage, V");
+    let with_values = found.differs.iter().filter(|own| !own.values.is_empty());
+    assert_eq!(of_runs.len(), with_values.count());
+    for table in of_runs {
         for row in table["rows"].as_array().expect("rows") {
             let value = row[2]["text"].as_str().expect("a text");
             let value = value.split(" ±").next().expect("a number");
@@ -461,11 +465,13 @@ fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
             media.lines
         );
     }
+    let mut held_out = 0;
     for said in media.page["missing"].as_array().expect("blocks") {
         let text = said["text"].as_str().unwrap_or_default();
         let Some((_, numbers)) = text.split_once("Held-out error of the ") else {
             continue;
         };
+        held_out += 1;
         let (before, rest) = numbers.split_once(" % of its range").expect("a number");
         let before = before.rsplit(' ').next().expect("a number");
         let after = rest
@@ -478,9 +484,20 @@ fn numbers_are_those_of_the_tables(found: &GroupDiagnosis, media: &Media) {
             media.lines
         );
     }
+    let laws = found.missing.iter().chain(&found.closest);
+    let with_errors = laws.filter(|law| law.held_out.error_percent_before.is_some());
+    assert_eq!(held_out, with_errors.count());
     const VALUE: &str = "Value ± standard error";
-    let of_effects = tables_of(&media.page["how"], "Parameter").into_iter();
-    for table in of_effects.filter(|table| table["head"].to_string().contains(VALUE)) {
+    let mut of_effects = tables_of(&media.page["how"], "Parameter");
+    of_effects.retain(|table| table["head"].to_string().contains(VALUE));
+    let is_told = |own: &ieap::domain::Parameter| {
+        let estimate = &own.estimate;
+        estimate.value.or(estimate.low_95).or(estimate.high_95).is_some()
+    };
+    let named = found.effects.iter().filter(|own| !own.effect.starts_with(LAW));
+    let with_numbers = named.filter(|own| own.parameters.iter().any(is_told));
+    assert_eq!(of_effects.len(), with_numbers.count(), "{}", media.page["how"]);
+    for table in of_effects {
         let text = cell(table, 0, VALUE);
         if text.starts_with(['<', '>']) {
             let bound = text.trim_start_matches(['<', '>', ' ']);

@@ -1,5 +1,6 @@
 //! What the page of a group says first: one picture of the worst run, the errors before and after, what it may be.
 
+use ieap_domain::diagnosis::LAW;
 use ieap_domain::words::in_a_row;
 use std::collections::BTreeMap;
 
@@ -150,8 +151,7 @@ fn size_words(found: &GroupDiagnosis) -> String {
 /// The size of every effect that was found; none where there is none. A law without a name is drawn: the weights of its
 /// curve tell nobody anything.
 pub fn strengths(found: &GroupDiagnosis, findings: &Findings) -> Option<Block> {
-    let is_drawn = |effect: &&EffectFinding| findings.laws.iter().any(|law| law.id == effect.effect);
-    let named = found.effects.iter().filter(|effect| !is_drawn(effect));
+    let named = found.effects.iter().filter(|own| !own.effect.starts_with(LAW));
     let sizes = named.map(|effect| strength(effect, findings));
     let sizes: Vec<Block> = sizes.map(Block::Say).collect();
     (!sizes.is_empty()).then(|| Block::part("How strong it is", sizes))

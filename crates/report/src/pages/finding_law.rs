@@ -71,7 +71,6 @@ pub fn laws(page: &mut Writer, found: &GroupDiagnosis) -> Result<(), ReportError
 /// What the law gains on readings that were held out.
 fn proof(law: &MissingLaw) -> Option<Block> {
     let held_out = &law.held_out;
-    let after = held_out.error_percent_after.map(|own| significant(own, 2));
     let channel = match law.place.as_str() {
         "bending" => "curvature",
         _ => "current",
@@ -79,7 +78,7 @@ fn proof(law: &MissingLaw) -> Option<Block> {
     Some(Block::say(format!(
         "Held-out error of the {channel}: {} % of its range without it, {} % with it; {} held-out parts come out better.",
         significant(held_out.error_percent_before?, 2),
-        after.unwrap_or_default(),
+        significant(held_out.error_percent_after?, 2),
         held_out.better_parts
     )))
 }
