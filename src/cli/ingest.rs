@@ -66,6 +66,9 @@ pub fn print(summary: &IngestSummary, output: &Output) {
             "{pairs} of runs with the same readings: one of each counts, `ieap status` says which"
         ));
     }
+    let replaced =
+        "under whose name another measurement lay before; what was said of that one does not hold of it";
+    list(output, "run", replaced, &summary.replaced);
     pairs(summary, output);
     list(output, "file", "no longer there; the runs stay", &summary.gone);
     let waiting = "waiting (empty, header only, or still growing)";

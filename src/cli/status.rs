@@ -270,8 +270,11 @@ fn halves(status: &Status, told: &mut Sections) {
     told.section("file", "with half of a run alone", &lone);
 }
 
-/// Words that may be lost since a rebuilding.
+/// Words that may be lost since a rebuilding, and words that hold of nothing.
 fn words_missed(status: &Status, told: &mut Sections) {
+    for words in &status.words_of_no_run {
+        told.issue(words);
+    }
     if status.words_missed.is_empty() {
         return;
     }

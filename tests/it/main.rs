@@ -113,4 +113,5 @@ mod unreadable_tags;
 mod verify;
 mod watch;
 mod witnesses;
+mod words_and_names;
 mod world;

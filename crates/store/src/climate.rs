@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::blob::{hash_of, pack_f64, unpack_f64};
 use super::columns::{json_in, to_json};
-use super::files::{take_new_name, upsert_file};
+use super::files::upsert_file;
 use super::journal::{Entry, NamedBytes};
 use super::results::ResultDocument;
 use super::rows::CLIMATE_LOG;
@@ -136,27 +136,6 @@ impl Store {
             };
             transaction.says(now, entry)?;
             upsert_file(transaction, file)
-        })
-    }
-
-    /// Gives a log the name of the file that now holds its bytes.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn rename_log(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
-        self.write("renaming a climate log", now, |transaction| {
-            let ids: Vec<i64> = transaction
-                .prepare_cached("SELECT id FROM climate_log WHERE path = ?1")?
-                .query_map([old], |row| row.get(0))?
-                .collect::<rusqlite::Result<_>>()?;
-            for id in ids {
-                transaction.change(CLIMATE_LOG, ("id = ?1", &id), || {
-                    let sql = "UPDATE climate_log SET path = ?2 WHERE id = ?1";
-                    transaction.prepare_cached(sql)?.execute(params![id, new])?;
-                    Ok(())
-                })?;
-            }
-            take_new_name(transaction, now, old, file)
         })
     }
 

@@ -49,7 +49,7 @@ impl Content {
 const KINDS: [(&str, &str); 9] = [
     (
         "run",
-        "SELECT path, kind, revision, state, data_hash, reading, tagging FROM run NOT INDEXED
+        "SELECT path, kind, revision, state, data_hash, measurement, reading, tagging FROM run NOT INDEXED
         WHERE superseded_at IS NULL ORDER BY path",
     ),
     (

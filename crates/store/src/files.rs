@@ -307,7 +307,7 @@ pub(super) fn upsert_file(transaction: &Transaction<'_>, file: &FileRow) -> Resu
 }
 
 /// Forgets a file.
-fn forget(transaction: &Transaction<'_>, path: &str) -> Result<(), StepError> {
+pub(super) fn forget(transaction: &Transaction<'_>, path: &str) -> Result<(), StepError> {
     transaction.change(SOURCE_FILE, ("path = ?1", &path), || {
         transaction
             .prepare_cached("DELETE FROM source_file WHERE path = ?1")?
@@ -332,24 +332,6 @@ fn say_alias(transaction: &Transaction<'_>, now: &str, file: &FileRow) -> Result
         transaction.says(now, Entry::Alias { file })?;
     }
     Ok(())
-}
-
-/// A run or a log took the name of the file that now holds its bytes: it is said, and the file of the old name is forgotten
-/// with it. Apart from it, a refusal in between would leave a file whose run has another name.
-pub(super) fn take_new_name(
-    transaction: &Transaction<'_>,
-    now: &str,
-    old: &str,
-    file: &FileRow,
-) -> Result<(), StepError> {
-    forget(transaction, old)?;
-    upsert_file(transaction, file)?;
-    let file = NamedBytes {
-        path: file.path.clone(),
-        hash: file.hash.clone().unwrap_or_default(),
-    };
-    let old = old.to_owned();
-    transaction.says(now, Entry::Renamed { old, file })
 }
 
 fn read_file(row: &Row<'_>) -> Result<FileRow, StepError> {

@@ -1,8 +1,8 @@
 //! Fits: what is to be fitted, what came out, what could not be done.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
-use super::journal::{Entry, read_line};
+use super::journal::{Entry, Line, read_line};
 use super::new_run::RunRow;
 use super::results::{self, NewResult, ResultDocument, ResultKind, RunThen, StoredResult, Subject};
 use super::rows::{JOURNAL_LINE, RUN, check};
@@ -76,10 +76,13 @@ impl Store {
     /// See [`StoreError`].
     pub fn fit_tasks(&self) -> Result<Vec<FitTask>, StoreError> {
         let _moment = self.snapshot()?;
-        let asked = &self.words()?.asked;
+        let words = self.words()?;
+        let said_of = self.said_of_all()?;
         let runs = self.current_rows(RunKind::Actuation)?;
         let ready = runs.iter().filter(|run| run.state == RunState::Ready);
-        Ok(ready.filter_map(|run| fit_task(run, asked)).collect())
+        Ok(ready
+            .filter_map(|run| fit_task(run, words.said_of(&said_of[&run.path]).asked))
+            .collect())
     }
 
     /// Stores fits, or why there are none, each as the current result of its run, and how those were asked for that came out;
@@ -174,21 +177,23 @@ fn say_asked(
     run_id: i64,
     asked: &AskedFit,
 ) -> Result<(), StepError> {
-    let Some(run) = RunRow::current(transaction, run_id)?.map(|run| run.path) else {
+    let Some(run) = RunRow::current(transaction, run_id)? else {
         return Ok(());
     };
     let sql = JOURNAL_LINE.select("", "WHERE what = 'asked' AND name = ?1 ORDER BY n DESC LIMIT 1");
     let mut statement = transaction.prepare_cached(&sql)?;
-    let mut rows = statement.query([&run])?;
-    let holds = match rows.next()? {
-        Some(row) => {
+    let mut newest: Option<Line> = None;
+    for of in run.said_of(&BTreeSet::new()) {
+        let mut rows = statement.query([&of])?;
+        if let Some(row) = rows.next()? {
             check(JOURNAL_LINE, row)?;
-            match read_line(row)?.entry {
-                Entry::Asked { asked, .. } => asked,
-                _ => AskedFit::default(),
-            }
+            let line = read_line(row)?;
+            newest = newest.filter(|newest| newest.n > line.n).or(Some(line));
         }
-        None => AskedFit::default(),
+    }
+    let holds = match newest.map(|line| line.entry) {
+        Some(Entry::Asked { asked, .. }) => asked,
+        _ => AskedFit::default(),
     };
     if holds == *asked || (holds.is_open() && asked.is_open()) {
         return Ok(());
@@ -198,7 +203,7 @@ fn say_asked(
     } else {
         asked.clone()
     };
-    transaction.says(now, Entry::Asked { run, asked })
+    transaction.says(now, Entry::Asked { run: run.path, asked })
 }
 
 /// Fills in the fit of a run, or why there is none where it was tried.
@@ -243,7 +248,7 @@ impl CurveSource for Store {
 }
 
 /// What is to be fitted of a run, where its drive and area are known.
-fn fit_task(run: &RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask> {
+fn fit_task(run: &RunRow, last_asked: AskedFit) -> Option<FitTask> {
     let mut data_hash = run.data_hash.clone();
     for offset in run.origin().offsets.iter().filter(|offset| offset.applied) {
         data_hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
@@ -268,7 +273,7 @@ fn fit_task(run: &RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask>
         electrode_resistance_error_ohm_per_sq: error.filter(|error| error.is_finite() && *error > 0.0),
         sample: tagging.chosen.get(keys::SAMPLE).cloned(),
         data_hash,
-        last_asked: asked.get(&run.path).cloned().unwrap_or_default(),
+        last_asked,
         path: run.path.clone(),
     })
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::blob::{hash_of, pack_f64, pack_u32, packed_json};
 use super::columns::{json_in, key_in, to_json};
-use super::results::retire_of_run;
+use super::measurement::{Continues, make_room, supersede_row};
 use super::rows::{CONTENT, RUN, RUN_FILE, check};
 use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
@@ -108,6 +108,10 @@ pub struct NewRun {
     pub channels: Vec<Channel>,
     /// BLAKE3 of the readings.
     pub data_hash: String,
+    /// What it is known by ([`super::measurement`]).
+    pub measurement: String,
+    /// Whether it is what had its name before.
+    pub continues: Continues,
     /// Clocks, flags and profiles that the readings rest on.
     pub origin: RunOrigin,
     /// What the reader noticed.
@@ -176,6 +180,8 @@ pub(super) struct RunRow {
     pub kind: RunKind,
     pub state: RunState,
     pub data_hash: String,
+    pub measurement: String,
+    pub continues: String,
     pub tag_digest: String,
     pub ingested_at: String,
     pub reading: ReadDocument,
@@ -192,6 +198,8 @@ impl RunRow {
             kind: key_in(row, "kind", "a run's kind", RunKind::from_key)?,
             state: key_in(row, "state", "a run's state", RunState::from_key)?,
             data_hash: row.get("data_hash")?,
+            measurement: row.get("measurement")?,
+            continues: row.get("continues")?,
             tag_digest: row.get("tag_digest")?,
             ingested_at: row.get("ingested_at")?,
             reading: json_in(row, "reading", "what was read of a run")?,
@@ -236,7 +244,10 @@ impl RunRow {
 
 /// Stores a run as the new current revision of its name; gives its number.
 pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun) -> Result<i64, StepError> {
-    let revision = supersede(transaction, now, &run.path)? + 1;
+    let continues = make_room(transaction, now, run)?;
+    let revision: i64 = transaction
+        .prepare_cached("SELECT coalesce(max(revision), 0) + 1 FROM run WHERE path = ?1")?
+        .query_row([&run.path], |row| row.get(0))?;
     let channels = run.channels.iter().enumerate();
     let packed = channels
         .map(|(ordinal, channel)| PackedChannel::of(&run.channels[..ordinal], channel))
@@ -244,15 +255,17 @@ pub(super) fn insert_run(transaction: &Transaction<'_>, now: &str, run: &NewRun)
     let reading = to_json("what was read of a run", &read_document(run, &packed))?;
     let (tagging, curves) = run.tagging.documents()?;
     let run_id = transaction.change(RUN, ("path = ?1 AND superseded_at IS NULL", &run.path), || {
-        let sql = "INSERT INTO run (path, revision, kind, state, data_hash, tag_digest, ingested_at, reading, tagging,
-                     climate_curves)
-                   VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
+        let sql = "INSERT INTO run (path, revision, kind, state, data_hash, measurement, continues, tag_digest, ingested_at,
+                     reading, tagging, climate_curves)
+                   VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
         transaction.prepare_cached(sql)?.execute(params![
             run.path,
             revision,
             run.kind.key(),
             run.tagging.state.key(),
             run.data_hash,
+            run.measurement,
+            continues,
             run.tagging.digest,
             now,
             reading,
@@ -329,24 +342,13 @@ impl Tagging {
     }
 }
 
-/// Retires the current revision of a run; gives the newest revision number so far (0: none).
-pub(super) fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<i64, StepError> {
+/// Retires the current revision of a run.
+pub(super) fn supersede(transaction: &Transaction<'_>, now: &str, path: &str) -> Result<(), StepError> {
     let current = transaction
         .prepare_cached("SELECT id FROM run WHERE path = ?1 AND superseded_at IS NULL")?
         .query_row([path], |row| row.get::<_, i64>(0))
         .optional()?;
-    if let Some(id) = current {
-        transaction.change(RUN, ("id = ?1", &id), || {
-            transaction
-                .prepare_cached("UPDATE run SET superseded_at = ?2 WHERE id = ?1")?
-                .execute(params![id, now])?;
-            Ok(())
-        })?;
-        retire_of_run(transaction, now, id)?;
-    }
-    Ok(transaction
-        .prepare_cached("SELECT coalesce(max(revision), 0) FROM run WHERE path = ?1")?
-        .query_row([path], |row| row.get(0))?)
+    current.map_or(Ok(()), |id| supersede_row(transaction, now, id))
 }
 
 fn insert_contents(

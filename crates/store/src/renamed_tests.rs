@@ -1,7 +1,7 @@
 //! A run whose file has another name now: all that names the file follows.
 
 use crate::testing::new_run;
-use crate::{FileRow, Store};
+use crate::{FileRow, Moves, Store};
 use ieap_domain::{FileState, RunKind};
 
 #[test]
@@ -18,9 +18,11 @@ fn files_and_clocks_of_all_revisions_follow_the_new_name_and_other_runs_keep_the
     let [old, file] = ["runs/a.csv", "runs/b.csv"]
         .map(|path| FileRow::unseen(path.to_owned(), FileState::Run, String::new()));
     store.record_files("2026-01-01T00:00:00Z", &[old]).unwrap();
-    store
-        .rename_run("2026-01-02T00:00:00Z", "runs/a.csv", "runs/b.csv", &file)
-        .unwrap();
+    let moves = Moves {
+        files: [("runs/a.csv".to_owned(), file.clone())].into(),
+        runs: vec![("runs/a.csv".to_owned(), "runs/b.csv".to_owned())],
+    };
+    store.move_files("2026-01-02T00:00:00Z", &moves).unwrap();
     let mut runs = store.runs().unwrap();
     runs.extend(store.superseded_runs().unwrap());
     let named: Vec<[&str; 3]> = runs

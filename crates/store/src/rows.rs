@@ -35,7 +35,7 @@ pub(super) struct Table {
 /// Revisions of runs.
 pub(super) const RUN: Table = Table {
     name: "run",
-    columns: "id, path, revision, superseded_at, kind, state, data_hash, tag_digest, ingested_at, row_hash, reading, tagging",
+    columns: "id, path, revision, superseded_at, kind, state, data_hash, measurement, continues, tag_digest, ingested_at, row_hash, reading, tagging",
     told: "'run ' || id || ' (' || path || ')'",
     list: "CASE WHEN superseded_at IS NULL THEN 'run ' || kind END",
     beside: "",

@@ -3,12 +3,13 @@
 use rusqlite::{Row, params};
 
 use super::columns::{json_in, to_json};
-use super::files::{take_new_name, upsert_file};
+use super::files::upsert_file;
 use super::journal::{Entry, NamedBytes, NamedRun};
-use super::new_run::{NewRun, ReadDocument, TagDocument, TagOfSource, Tagging, insert_run};
+use super::measurement::Continues;
+use super::new_run::{NewRun, TagDocument, TagOfSource, Tagging, insert_run};
 use super::read_files::supersede_parts;
 use super::results::retire_of_run;
-use super::rows::{JOURNAL_LINE, RUN, RUN_FILE};
+use super::rows::RUN;
 use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
 use ieap_domain::tag::UNREADABLE;
 use ieap_domain::{Issue, RunState, Tag, TagSource};
@@ -24,8 +25,11 @@ impl Store {
             let mut named = Vec::with_capacity(runs.len());
             for run in runs {
                 let revision = insert_run(transaction, now, run)?;
-                let name = run.path.clone();
-                named.push(NamedRun { name, revision });
+                named.push(NamedRun {
+                    name: run.path.clone(),
+                    revision,
+                    continues: run.continues == Continues::Same,
+                });
             }
             if let Some(first) = runs.first() {
                 let named_bytes = |content: &RunContent| NamedBytes {
@@ -115,58 +119,6 @@ impl Store {
             transaction.says(now, Entry::Gone { path, tags })
         })
     }
-
-    /// Gives a run the name of the file that now holds its bytes.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn rename_run(&mut self, now: &str, old: &str, new: &str, file: &FileRow) -> Result<(), StoreError> {
-        self.write("renaming a run", now, |transaction| {
-            for (id, mut reading) in documents::<ReadDocument>(transaction, "reading", "path = ?1", old)? {
-                reading
-                    .files
-                    .iter_mut()
-                    .for_each(|file| renamed(&mut file.path, old, new));
-                let clocks = &mut reading.origin.clocks;
-                clocks
-                    .iter_mut()
-                    .for_each(|clock| renamed(&mut clock.file, old, new));
-                let reading = to_json("what was read of a run", &reading)?;
-                transaction.change(RUN, ("id = ?1", &id), || {
-                    let sql = "UPDATE run SET path = ?2, reading = ?3 WHERE id = ?1";
-                    transaction
-                        .prepare_cached(sql)?
-                        .execute(params![id, new, reading])?;
-                    Ok(())
-                })?;
-                transaction.change(RUN_FILE, ("run_id = ?1", &id), || {
-                    let sql = "UPDATE run_file SET path = ?3 WHERE run_id = ?1 AND path = ?2";
-                    transaction.prepare_cached(sql)?.execute(params![id, old, new])?;
-                    Ok(())
-                })?;
-            }
-            rename_words(transaction, old, new)?;
-            take_new_name(transaction, now, old, file)
-        })
-    }
-}
-
-/// Gives the words on a run its new name.
-fn rename_words(transaction: &Transaction<'_>, old: &str, new: &str) -> Result<(), StepError> {
-    transaction.journal.changed();
-    let condition = "name = ?1 AND what IN ('tag', 'word', 'asked')";
-    transaction.change(JOURNAL_LINE, (condition, &old), || {
-        transaction
-            .prepare_cached(&format!("UPDATE journal_line SET name = ?2 WHERE {condition}"))?
-            .execute([old, new])?;
-        Ok(())
-    })
-}
-
-fn renamed(name: &mut String, old: &str, new: &str) {
-    if name == old {
-        new.clone_into(name);
-    }
 }
 
 /// Changes the tags of a run, and writes down what they came from.
@@ -191,7 +143,7 @@ fn change_tags(
 }
 
 /// Row ids of runs and a document of each.
-fn documents<T: serde::de::DeserializeOwned>(
+pub(super) fn documents<T: serde::de::DeserializeOwned>(
     transaction: &Transaction<'_>,
     column: &'static str,
     condition: &str,

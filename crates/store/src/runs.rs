@@ -1,6 +1,6 @@
 //! Runs: which there are, and what is known of each but its readings.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use rusqlite::{OptionalExtension, Row};
@@ -24,6 +24,13 @@ pub struct TagSources {
     pub digest: String,
     /// Paths of its files, in order.
     pub files: Vec<String>,
+    /// What words of people hang on that hold of it.
+    pub said_of: Vec<String>,
+}
+
+/// The measurements of runs.
+fn measurements(rows: &[Arc<RunRow>]) -> BTreeSet<&str> {
+    rows.iter().map(|run| run.measurement.as_str()).collect()
 }
 
 impl Store {
@@ -164,6 +171,33 @@ impl Store {
         Ok(files.into_iter().map(|file| (file.path, file.hash)).collect())
     }
 
+    /// What the current run of a name is known by; of one that is not there the name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn measurement_of(&self, path: &str) -> Result<String, StoreError> {
+        let run = self.current_run(path)?;
+        Ok(run.map_or_else(|| path.to_owned(), |run| run.measurement))
+    }
+
+    /// The name that a measurement has now: of the current run that it is, or that follows it.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn name_of(&self, measurement: &str) -> Result<Option<String>, StoreError> {
+        let said_of = self.said_of_all()?.into_iter();
+        let mut named = said_of.filter(|(_, of)| of.iter().any(|of| of == measurement));
+        Ok(named.next().map(|(name, _)| name))
+    }
+
+    /// Row id of the current run of that name.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn id_of_run(&self, path: &str) -> Result<Option<i64>, StoreError> {
+        Ok(self.current_run(path)?.map(|run| run.id))
+    }
+
     /// Whether a run of that name was stored, now or earlier.
     ///
     /// # Errors
@@ -205,13 +239,39 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn tag_sources(&self) -> Result<Vec<TagSources>, StoreError> {
+        let rows = self.all_current_rows()?;
+        let current = measurements(&rows);
         let of = |run: &Arc<RunRow>| TagSources {
             run_id: run.id,
             path: run.path.clone(),
             digest: run.tag_digest.clone(),
             files: run.reading.files.iter().map(|file| file.path.clone()).collect(),
+            said_of: run.said_of(&current),
         };
-        Ok(self.all_current_rows()?.iter().map(of).collect())
+        Ok(rows.iter().map(of).collect())
+    }
+
+    /// What words of people hang on that hold of each current run, by its name.
+    pub(super) fn said_of_all(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
+        let rows = self.all_current_rows()?;
+        let current = measurements(&rows);
+        Ok(rows
+            .iter()
+            .map(|run| (run.path.clone(), run.said_of(&current)))
+            .collect())
+    }
+
+    /// The same of the current run of a name; of one that is not there the name alone.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn said_of(&self, path: &str) -> Result<Vec<String>, StoreError> {
+        let rows = self.all_current_rows()?;
+        let found = rows.binary_search_by(|run| run.path.as_str().cmp(path));
+        Ok(found.map_or_else(
+            |_| vec![path.to_owned()],
+            |at| rows[at].said_of(&measurements(&rows)),
+        ))
     }
 
     /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{NewRun, RunContent, Tagging};
+use crate::{Continues, NewRun, RunContent, Tagging};
 use ieap_domain::data_hash::data_hash;
 use ieap_domain::{Channel, Drive, Quantity, RunClock, RunKind, RunOrigin, RunState, RunStatus};
 
@@ -29,7 +29,9 @@ pub fn new_run(path: &str, kind: RunKind, current_a: &[f64]) -> NewRun {
         status_evidence: String::new(),
         time_zero_is_step: true,
         original_metadata: Vec::new(),
-        data_hash: hash,
+        data_hash: hash.clone(),
+        measurement: hash,
+        continues: Continues::Same,
         origin: RunOrigin {
             clocks: vec![RunClock {
                 file: path.to_owned(),

@@ -6,26 +6,33 @@ use std::sync::Arc;
 
 use rusqlite::Row;
 
-use super::journal::{Entry, ToldAlarm, read_line};
+use super::journal::{Entry, Line, ToldAlarm, read_line};
 use super::rows::JOURNAL_LINE;
 use super::{HandTag, Store, StoreError};
 use ieap_domain::{Alarm, AskedFit, RunWord};
 
-/// What holds after every line was said, by the names that runs have now.
+/// All that was said and holds, but for what later lines of the same kind took back.
 #[derive(Debug, Default)]
 pub(super) struct Words {
-    /// The newest tag by hand of each run and key, taken-back ones left out.
-    pub tags: BTreeMap<String, BTreeMap<String, HandTag>>,
-    /// The newest word on each run.
-    pub runs: BTreeMap<String, RunWord>,
-    /// The newest wish how to fit each run.
-    pub asked: BTreeMap<String, AskedFit>,
+    /// What was said of each measurement, in the order of saying; by what it is known by.
+    of: BTreeMap<String, Vec<Line>>,
     /// Alarms that were told, in the order of telling.
     pub told: Vec<ToldAlarm>,
     /// What may be lost and nobody answered.
     pub missed: Vec<String>,
     /// The same with what was answered.
     pub ever_missed: Vec<String>,
+}
+
+/// What holds of one run.
+#[derive(Debug, Default)]
+pub(super) struct SaidOf {
+    /// The newest tag by hand of each key, taken-back ones left out.
+    pub tags: BTreeMap<String, HandTag>,
+    /// The newest word.
+    pub word: Option<RunWord>,
+    /// The newest wish how to fit it.
+    pub asked: AskedFit,
 }
 
 /// Words with the state of the database that they are of: what other connections changed, and what this one did.
@@ -35,25 +42,13 @@ pub(super) type Remembered = Option<((i64, u64), Arc<Words>)>;
 const KINDS: [&str; 6] = ["tag", "word", "asked", "told", "missed", "answered"];
 
 impl Words {
-    /// `name` is that which the run has now.
-    fn hear(&mut self, name: Option<String>, entry: Entry) {
-        let name = name.unwrap_or_default();
-        match entry {
-            Entry::Tag(tag) => {
-                let (run_path, key) = (name, tag.key.clone());
-                let of_run = self.tags.entry(run_path.clone()).or_default();
-                if tag.value.is_some() {
-                    of_run.insert(key, HandTag { run_path, ..tag });
-                } else {
-                    of_run.remove(&key);
-                }
-            }
-            Entry::Word(word) => {
-                let run_path = name.clone();
-                self.runs.insert(name, RunWord { run_path, ..word });
-            }
-            Entry::Asked { asked, .. } if asked.is_open() => drop(self.asked.remove(&name)),
-            Entry::Asked { asked, .. } => drop(self.asked.insert(name, asked)),
+    /// `of` is the measurement that a word is about.
+    fn hear(&mut self, of: Option<String>, line: Line) {
+        if line.entry.is_of_run() {
+            self.of.entry(of.unwrap_or_default()).or_default().push(line);
+            return;
+        }
+        match line.entry {
             Entry::Told(alarm) => self.told.push(alarm),
             Entry::Missed { lost } => {
                 self.ever_missed.push(lost.clone());
@@ -62,6 +57,34 @@ impl Words {
             Entry::Answered { .. } => self.missed.clear(),
             _ => {}
         }
+    }
+
+    /// Whether nothing was said of any run.
+    fn are_of_no_run(&self) -> bool {
+        self.of.is_empty()
+    }
+
+    /// What holds of a run, of which all that stands in `said_of` holds ([`RunRow::said_of`]).
+    pub(super) fn said_of(&self, said_of: &[String]) -> SaidOf {
+        let mut lines: Vec<&Line> = said_of
+            .iter()
+            .filter_map(|of| self.of.get(of))
+            .flatten()
+            .collect();
+        lines.sort_by_key(|line| line.n);
+        let mut holds = SaidOf::default();
+        for line in lines {
+            match &line.entry {
+                Entry::Tag(tag) if tag.value.is_some() => {
+                    drop(holds.tags.insert(tag.key.clone(), tag.clone()));
+                }
+                Entry::Tag(tag) => drop(holds.tags.remove(&tag.key)),
+                Entry::Word(word) => holds.word = Some(word.clone()),
+                Entry::Asked { asked, .. } => holds.asked = asked.clone(),
+                _ => {}
+            }
+        }
+        holds
     }
 }
 
@@ -84,9 +107,7 @@ impl Store {
         }
         lines.sort_by_key(|(_, line)| line.n);
         let mut words = Words::default();
-        lines
-            .into_iter()
-            .for_each(|(name, line)| words.hear(name, line.entry));
+        lines.into_iter().for_each(|(of, line)| words.hear(of, line));
         let words = Arc::new(words);
         *self.remembered.borrow_mut() = Some((state, words.clone()));
         Ok(words)
@@ -103,14 +124,22 @@ impl Store {
         })
     }
 
-    /// The newest hand tag of each key of a run, taken-back ones left out, in order of the keys.
+    /// The newest hand tag of each key that was said of any of these ([`TagSources::said_of`](super::TagSources::said_of)),
+    /// taken-back ones left out, in order of the keys.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn hand_tags_of(&self, said_of: &[String]) -> Result<Vec<HandTag>, StoreError> {
+        Ok(self.words()?.said_of(said_of).tags.into_values().collect())
+    }
+
+    /// The same of the current run of a name.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn hand_tags(&self, run_path: &str) -> Result<Vec<HandTag>, StoreError> {
-        let words = self.words()?;
-        let tags = words.tags.get(run_path);
-        Ok(tags.map_or_else(Vec::new, |tags| tags.values().cloned().collect()))
+        let _moment = self.snapshot()?;
+        self.hand_tags_of(&self.said_of(run_path)?)
     }
 
     /// Records what a person said of runs.
@@ -124,12 +153,55 @@ impl Store {
         })
     }
 
-    /// The newest word on each run, by the run's name.
+    /// The newest word on each current run, by the run's name.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn run_words(&self) -> Result<BTreeMap<String, RunWord>, StoreError> {
-        Ok(self.words()?.runs.clone())
+        let _moment = self.snapshot()?;
+        let words = self.words()?;
+        if words.are_of_no_run() {
+            return Ok(BTreeMap::new());
+        }
+        let said_of = self.said_of_all()?.into_iter();
+        let newest = |(path, of): (String, Vec<String>)| {
+            let word = words.said_of(&of).word?;
+            let run_path = path.clone();
+            Some((path, RunWord { run_path, ..word }))
+        };
+        Ok(said_of.filter_map(newest).collect())
+    }
+
+    /// What was said of measurements that no current run is or follows: the newest name of each, and what was said, in words.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn words_of_no_run(&self) -> Result<Vec<(String, Vec<String>)>, StoreError> {
+        let _moment = self.snapshot()?;
+        let words = self.words()?;
+        if words.are_of_no_run() {
+            return Ok(Vec::new());
+        }
+        let held: BTreeSet<String> = self.said_of_all()?.into_values().flatten().collect();
+        let mut found = BTreeMap::new();
+        for (of, lines) in words.of.iter().filter(|(of, _)| !held.contains(*of)) {
+            let said = words.said_of(std::slice::from_ref(of));
+            let mut told: Vec<String> = said
+                .tags
+                .values()
+                .map(|tag| Entry::Tag(tag.clone()).in_words())
+                .collect();
+            let dropped = said.word.filter(|word| word.drops || word.why.is_some());
+            told.extend(dropped.map(|word| Entry::Word(word).in_words()));
+            if let Some(name) = lines
+                .last()
+                .and_then(|line| line.entry.name())
+                .filter(|_| !told.is_empty())
+            {
+                found.entry(name.to_owned()).or_insert_with(Vec::new).extend(told);
+            }
+        }
+        Ok(found.into_iter().collect())
     }
 
     /// Ids of the alarms that were told.
@@ -188,6 +260,9 @@ impl Store {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::new_run;
+    use crate::{Continues, FileRow, Moves, NewRun};
+    use ieap_domain::{FileState, RunKind};
 
     fn word(run: &str, drops: bool, why: Option<&str>) -> RunWord {
         RunWord {
@@ -210,9 +285,17 @@ mod tests {
         }
     }
 
+    fn with_runs(mut store: Store, names: &[&str]) -> Store {
+        for (k, name) in names.iter().enumerate() {
+            let run = new_run(name, RunKind::Actuation, &[k as f64, 2.0]);
+            store.save_runs("now", &[], &[run]).unwrap();
+        }
+        store
+    }
+
     #[test]
     fn the_newest_word_on_a_run_holds() {
-        let mut store = Store::in_memory().unwrap();
+        let mut store = with_runs(Store::in_memory().unwrap(), &["a", "b"]);
         let first = [
             word("a", true, Some("clip slipped")),
             word("b", true, Some("wet")),
@@ -223,6 +306,42 @@ mod tests {
         assert_eq!(words["a"], word("a", false, None));
         assert_eq!(words["b"], first[1]);
         assert!(store.same_readings().unwrap().is_empty());
+    }
+
+    #[test]
+    fn words_stay_with_the_bytes_whatever_their_name_and_hold_of_nothing_where_another_lies_there() {
+        let mut store = with_runs(Store::in_memory().unwrap(), &["a", "b"]);
+        store
+            .add_run_words("now", &[word("a", true, Some("clip slipped"))])
+            .unwrap();
+        let row = |path: &str| FileRow::unseen(path.to_owned(), FileState::Run, String::new());
+        let pair = |old: &str, new: &str| (old.to_owned(), new.to_owned());
+        let moves = Moves {
+            files: [("a".to_owned(), row("b")), ("b".to_owned(), row("a"))].into(),
+            runs: vec![pair("a", "b"), pair("b", "a")],
+        };
+        store.move_files("now", &moves).unwrap();
+        let dropped = |store: &Store| store.run_words().unwrap().into_keys().collect::<Vec<_>>();
+        assert_eq!(dropped(&store), ["b"]);
+        // Measured on: the same.
+        let mut revised = new_run("b", RunKind::Actuation, &[0.0, 2.0, 3.0]);
+        store.save_runs("now", &[], &[revised.clone()]).unwrap();
+        assert_eq!(dropped(&store), ["b"]);
+        // Another one under the name.
+        (revised.measurement, revised.continues) = ("another".to_owned(), Continues::Another);
+        store.save_runs("now", &[], &[revised]).unwrap();
+        assert_eq!(dropped(&store), Vec::<String>::new());
+        assert_eq!(store.words_of_no_run().unwrap().len(), 1);
+        // The first bytes come back, under a third name.
+        let first = new_run("c", RunKind::Actuation, &[0.0, 2.0]);
+        let first = NewRun {
+            continues: Continues::Another,
+            ..first
+        };
+        store.save_runs("now", &[], &[first]).unwrap();
+        assert_eq!(dropped(&store), ["c"]);
+        assert_eq!(store.words_of_no_run().unwrap(), []);
+        assert_eq!(store.check_all().unwrap(), Vec::<String>::new());
     }
 
     #[test]
@@ -250,14 +369,14 @@ mod tests {
     #[test]
     fn a_word_that_changed_behind_the_back_of_the_store_is_noticed() {
         for tampering in [
-            "UPDATE journal_line SET line = replace(line, 'true', 'false') WHERE n = 1",
-            "UPDATE journal_line SET name = 'b' WHERE n = 1",
-            "UPDATE journal_line SET what = 'tag' WHERE n = 1",
-            "DELETE FROM journal_line WHERE n = 1",
+            "UPDATE journal_line SET line = replace(line, 'true', 'false') WHERE n = 3",
+            "UPDATE journal_line SET name = 'b' WHERE n = 3",
+            "UPDATE journal_line SET what = 'tag' WHERE n = 3",
+            "DELETE FROM journal_line WHERE n = 3",
             "DELETE FROM list_sum WHERE list = 'journal_line word'",
         ] {
             let folder = tempfile::tempdir().unwrap();
-            let mut store = Store::open(folder.path()).unwrap();
+            let mut store = with_runs(Store::open(folder.path()).unwrap(), &["a", "c"]);
             let words = [word("a", true, Some("wet")), word("c", true, None)];
             store.add_run_words("now", &words).unwrap();
             assert_eq!(store.check_all().unwrap(), Vec::<String>::new());

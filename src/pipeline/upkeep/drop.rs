@@ -9,6 +9,7 @@ use super::tag::known_run;
 use crate::domain::{RunRecord, RunWord, Standing};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::intake::ingest::together;
 use crate::pipeline::{Context, PipelineError};
 
 /// The verb `drop`, and `drop --undo`.
@@ -43,13 +44,6 @@ impl SpeakOfRuns {
     /// # Errors
     /// A run is not known; a reason is missing; or the database refuses.
     pub fn run(&self, context: &mut Context) -> Result<SpokenOf, PipelineError> {
-        let mut names: BTreeSet<String> = BTreeSet::new();
-        for name in &self.runs {
-            names.insert(known_run(context, name)?);
-        }
-        if self.deleted {
-            names.extend(context.store.deleted_runs()?);
-        }
         let why = self.why.as_deref().map(str::trim).filter(|why| !why.is_empty());
         if self.drops && why.is_none() {
             return Err(bad_why(
@@ -57,24 +51,27 @@ impl SpeakOfRuns {
                 "the reason in a few words, as in --why \"clip slipped\"",
             ));
         }
-        let before = records(context, &names)?;
-        if !self.drops && why.is_none() {
-            before.iter().try_for_each(comes_back)?;
+        let (mut before, mut said_of) = (Vec::new(), Vec::new());
+        // What a name means and what is said of it is one step: nobody renames in between.
+        together(context, |context| {
+            before = self.meant(context)?;
+            if !self.drops && why.is_none() {
+                before.iter().try_for_each(comes_back)?;
+            }
+            let now = now();
+            let words: Vec<RunWord> = before.iter().map(|run| self.word(run, why, &now)).collect();
+            for run in &before {
+                said_of.push(context.store.measurement_of(&run.path)?);
+            }
+            if words.is_empty() {
+                return Ok(());
+            }
+            Ok(context.store.add_run_words(&now, &words)?)
+        })?;
+        let mut names = BTreeSet::new();
+        for of in &said_of {
+            names.extend(context.store.name_of(of)?);
         }
-        let now = now();
-        let word = |run: &RunRecord| RunWord {
-            run_path: run.path.clone(),
-            drops: self.drops,
-            why: why.map(str::to_owned),
-            said_by: self.said_by.clone(),
-            said_at: now.clone(),
-            data_hash: run.data_hash.clone(),
-        };
-        let words: Vec<RunWord> = before.iter().map(word).collect();
-        if words.is_empty() {
-            return Ok(SpokenOf::default());
-        }
-        context.store.add_run_words(&now, &words)?;
         let (speaking, silent): (Vec<RunRecord>, Vec<RunRecord>) =
             (records(context, &names)?.into_iter()).partition(|run| run.standing.speaks());
         let said: BTreeSet<&str> = speaking.iter().map(|run| run.path.as_str()).collect();
@@ -89,6 +86,31 @@ impl SpeakOfRuns {
             speaking: speaking.into_iter().map(|run| run.path).collect(),
             set_aside: silent.iter().map(SetAside::of).collect(),
         })
+    }
+}
+
+impl SpeakOfRuns {
+    /// The runs that are meant.
+    fn meant(&self, context: &Context) -> Result<Vec<RunRecord>, PipelineError> {
+        let mut names: BTreeSet<String> = BTreeSet::new();
+        for name in &self.runs {
+            names.insert(known_run(context, name)?);
+        }
+        if self.deleted {
+            names.extend(context.store.deleted_runs()?);
+        }
+        records(context, &names)
+    }
+
+    fn word(&self, run: &RunRecord, why: Option<&str>, now: &str) -> RunWord {
+        RunWord {
+            run_path: run.path.clone(),
+            drops: self.drops,
+            why: why.map(str::to_owned),
+            said_by: self.said_by.clone(),
+            said_at: now.to_owned(),
+            data_hash: run.data_hash.clone(),
+        }
     }
 }
 

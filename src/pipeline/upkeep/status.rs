@@ -93,6 +93,8 @@ pub struct Status {
     pub raw_files_lost: Vec<Reasoned>,
     /// Words that may be lost since a rebuilding, until a person answers.
     pub words_missed: Vec<Issue>,
+    /// What was said of measurements whose bytes lie under no name any more, as where another was saved under theirs.
+    pub words_of_no_run: Vec<Issue>,
     /// Number of files that hold the same bytes as a run's file.
     pub aliases: usize,
     /// These files, each with the run.
@@ -273,6 +275,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         pending: file_list(FileState::Pending),
         raw_files_lost: raw_files_lost(context)?,
         words_missed: verify::missed(context)?,
+        words_of_no_run: words_of_no_run(context)?,
         aliases: file_list(FileState::Alias).len(),
         alias_files: (runs.iter().chain(&set_aside)).flat_map(aliases_of).collect(),
         missing_files: context.store.gone_files()?.into_iter().collect(),
@@ -432,4 +435,19 @@ fn gaps(context: &Context, runs: &[RunRecord]) -> Vec<Gap> {
         }
     }
     gaps
+}
+
+/// What was said of measurements that are no run now.
+fn words_of_no_run(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    let found = context.store.words_of_no_run()?.into_iter();
+    let issue = |(name, said): (String, Vec<String>)| {
+        let message = format!(
+            "the bytes that this was said of lie under no name any more, so that it holds of nothing: {}",
+            said.join("; ")
+        );
+        Issue::warning("words-of-no-run", message)
+            .at(&name)
+            .mend("if the file that has the name now is the same measurement, say it again; if it is another one, all is right")
+    };
+    Ok(found.map(issue).collect())
 }

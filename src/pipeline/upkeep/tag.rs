@@ -7,12 +7,13 @@ use serde::Serialize;
 
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, FileState, Issue, RunRecord, RunState, Tag, TagSource};
+use crate::ingest::scan::{is_another, parse_display_path};
 use crate::ingest::tags::{objection, value_objection};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate;
-use crate::pipeline::intake::ingest::{IngestSummary, retag_runs, unreadable_tags};
+use crate::pipeline::intake::ingest::{IngestSummary, known, retag_runs, together, unreadable_tags};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::HandTag;
+use crate::store::{FileRow, HandTag};
 
 /// The verb `tag`.
 #[derive(Debug, Clone)]
@@ -60,14 +61,23 @@ impl SetTags {
         observer: &dyn Observer,
     ) -> Result<Vec<TagSummary>, PipelineError> {
         self.check(&context.campaign)?;
-        let runs = self.known_runs(context)?;
-        if !self.even_so {
-            self.check_voltage(&stored_runs(context, &runs)?)?;
-        }
-        let before = issues_by_run(context, &runs)?;
-        let now = now();
-        let tags: Vec<HandTag> = runs.iter().flat_map(|run| self.hand_tags(run, &now)).collect();
-        context.store.add_hand_tags(&now, &tags)?;
+        let (mut said_of, mut before) = (Vec::new(), BTreeMap::new());
+        // What a name means and what is said of it is one step: nobody renames in between.
+        together(context, |context| {
+            let runs = self.known_runs(context)?;
+            if !self.even_so {
+                self.check_voltage(&stored_runs(context, &runs)?)?;
+            }
+            let now = now();
+            let tags: Vec<HandTag> = runs.iter().flat_map(|run| self.hand_tags(run, &now)).collect();
+            for run in &runs {
+                said_of.push(context.store.measurement_of(run)?);
+            }
+            for (of, (_, issues)) in said_of.iter().zip(issues_of(context, &runs)?) {
+                before.insert(of.clone(), issues);
+            }
+            Ok(context.store.add_hand_tags(&now, &tags)?)
+        })?;
         let mut retagged = IngestSummary::default();
         retag_runs(context, &mut retagged, observer)?;
         let unreadable = unreadable_tags(context)?;
@@ -80,14 +90,17 @@ impl SetTags {
         }
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
-        let stored = stored_runs(context, &runs)?;
-        let summary = |path: &String| {
-            let run = stored.iter().find(|run| run.path == *path);
-            let known = before.get(path).map_or(&[] as &[Issue], Vec::as_slice);
-            run.map(|run| TagSummary::of(run, known, waits))
-                .ok_or_else(|| unknown(path, ""))
-        };
-        runs.iter().map(summary).collect()
+        let mut summaries = Vec::with_capacity(said_of.len());
+        for of in &said_of {
+            // One that another program took out since is not there to be shown; what was said of it is kept.
+            let Some(name) = context.store.name_of(of)? else {
+                continue;
+            };
+            let stored = stored_runs(context, std::slice::from_ref(&name))?;
+            let known = before.get(of).map_or(&[] as &[Issue], Vec::as_slice);
+            summaries.extend(stored.iter().map(|run| TagSummary::of(run, known, waits)));
+        }
+        Ok(summaries)
     }
 
     /// Refuses keys that are neither known nor declared, and values that no run can have; what was set before may be taken
@@ -161,7 +174,9 @@ impl SetTags {
         let mut known: Vec<String> = Vec::new();
         for given in &self.runs {
             let found = if given.contains(['*', '?']) {
-                runs_like(context, given)?
+                let found = runs_like(context, given)?;
+                found.iter().try_for_each(|run| refuse_unseen(context, run))?;
+                found
             } else {
                 vec![known_run(context, given)?]
             };
@@ -214,9 +229,12 @@ fn stored_runs(context: &Context, names: &[String]) -> Result<Vec<RunRecord>, Pi
     Ok(runs)
 }
 
-fn issues_by_run(context: &Context, names: &[String]) -> Result<BTreeMap<String, Vec<Issue>>, PipelineError> {
+/// The issues of runs, in the order of these names.
+fn issues_of(context: &Context, names: &[String]) -> Result<Vec<(String, Vec<Issue>)>, PipelineError> {
     let runs = stored_runs(context, names)?.into_iter();
-    Ok(runs.map(|run| (run.path, run.issues)).collect())
+    let mut issues: BTreeMap<String, Vec<Issue>> = runs.map(|run| (run.path, run.issues)).collect();
+    let of = |name: &String| (name.clone(), issues.remove(name).unwrap_or_default());
+    Ok(names.iter().map(of).collect())
 }
 
 /// The runs whose name, or its end after a `/`, fits the pattern.
@@ -240,6 +258,30 @@ fn runs_like(context: &Context, pattern: &str) -> Result<Vec<String>, PipelineEr
 /// # Errors
 /// There is no such run, or more than one.
 pub(crate) fn known_run(context: &Context, given: &str) -> Result<String, PipelineError> {
+    let run = meant_run(context, given)?;
+    refuse_unseen(context, &run)?;
+    Ok(run)
+}
+
+/// Refuses a run under whose name another file lies than at the last look: nobody knows which of them is meant.
+fn refuse_unseen(context: &Context, run: &str) -> Result<(), PipelineError> {
+    let paths: Vec<String> = (context.store.contents_of(run)?.into_iter())
+        .map(|(path, _)| path)
+        .collect();
+    let rows = context.store.files()?;
+    let of_run: Vec<FileRow> = rows.into_iter().filter(|row| paths.contains(&row.path)).collect();
+    let another = known(&of_run)
+        .into_iter()
+        .find(|file| is_another(&context.folder, file));
+    match another {
+        Some(file) => Err(PipelineError::Unseen {
+            file: file.display.to_owned(),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn meant_run(context: &Context, given: &str) -> Result<String, PipelineError> {
     let names = context.store.run_names()?;
     let wanted = given.trim_start_matches("./").replace('\\', "/");
     if names.contains(&wanted) {
@@ -254,6 +296,9 @@ pub(crate) fn known_run(context: &Context, given: &str) -> Result<String, Pipeli
         [] => {
             if let Some(run) = run_of_alias(context, &wanted)? {
                 return Ok(run);
+            }
+            if context.folder.join(parse_display_path(&wanted)).is_file() {
+                return Err(PipelineError::Unseen { file: wanted });
             }
             let file = wanted.rsplit('/').next().unwrap_or(&wanted);
             let near = names

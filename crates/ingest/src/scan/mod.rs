@@ -20,4 +20,4 @@ pub use names::{StatesFor, compared, composed, is_own_product, is_passing_name, 
 pub use readiness::{Readiness, Sighting, readiness};
 pub use stable_read::{DEFAULT_LIMIT_BYTES, ReadFileError, read_stable};
 pub use walk::scan;
-pub use what_changed::{Changes, Known, diff};
+pub use what_changed::{Changes, Known, diff, is_another};

@@ -1,9 +1,12 @@
 //! What is new, changed or gone between what is stored and what a scan saw.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::Arc;
 
-use super::{Scan, SeenFile};
+use super::fingerprint::{changed_ns, identity, modified_ns};
+use super::{Scan, SeenFile, parse_display_path};
+use ieap_system::fs::{self, Metadata};
 
 /// A file as it is stored from the scan before.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -71,6 +74,27 @@ fn differs(known: &Known<'_>, seen: &SeenFile) -> bool {
         || known.modified_ns != seen.modified_ns
         || other_inode
         || other_change
+}
+
+/// Whether the file that lies under a name now is not the one that is stored; not, where none lies there.
+pub fn is_another(campaign: &Path, known: &Known<'_>) -> bool {
+    let relative = parse_display_path(known.display);
+    let found = fs::metadata(campaign.join(&relative))
+        .ok()
+        .filter(Metadata::is_file);
+    found.is_some_and(|found| {
+        let seen = SeenFile {
+            relative,
+            display: known.display.to_owned(),
+            size_bytes: found.len(),
+            modified_ns: modified_ns(&found),
+            inode: identity(&found).1,
+            changed_ns: changed_ns(&found),
+            age: None,
+            link_target: None,
+        };
+        differs(known, &seen)
+    })
 }
 
 fn is_below(display: &str, folders: &[String]) -> bool {

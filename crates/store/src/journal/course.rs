@@ -70,10 +70,14 @@ pub(super) fn last(connection: &Connection) -> Result<End, StepError> {
 pub(super) fn store(connection: &Connection, lines: &[Line]) -> Result<(), StepError> {
     for line in lines {
         let n = line.n.cast_signed();
+        let name = match &line.of {
+            Some(of) => Some(of.clone()),
+            None => run_of(connection, &line.entry)?.or_else(|| line.entry.name().map(str::to_owned)),
+        };
         rows::change(connection, JOURNAL_LINE, ("n = ?1", &n), || {
             connection
                 .prepare_cached("INSERT INTO journal_line (n, line, what, name) VALUES (?1, ?2, ?3, ?4)")?
-                .execute(params![n, line.text, line.entry.what(), line.entry.name()])?;
+                .execute(params![n, line.text, line.entry.what(), name])?;
             Ok(())
         })?;
     }
@@ -83,6 +87,17 @@ pub(super) fn store(connection: &Connection, lines: &[Line]) -> Result<(), StepE
             .execute(params![rows::JOURNAL_END, end_hash(last)])?;
     }
     Ok(())
+}
+
+/// The measurement that a word is about: the run that has the name now. None of what is about no run, and of one that is not
+/// there.
+pub(super) fn run_of(connection: &Connection, entry: &Entry) -> Result<Option<String>, StepError> {
+    let Some(name) = entry.name().filter(|_| entry.is_of_run()) else {
+        return Ok(None);
+    };
+    let sql = "SELECT measurement FROM run WHERE path = ?1 AND superseded_at IS NULL";
+    let mut statement = connection.prepare_cached(sql)?;
+    Ok(statement.query_row([name], |row| row.get(0)).optional()?)
 }
 
 fn end_hash(line: &Line) -> Vec<u8> {

@@ -32,7 +32,15 @@ pub enum Entry {
         /// The file.
         file: NamedBytes,
     },
-    /// A run or a climate log took the name of the file that its bytes were moved to.
+    /// Files were found under other names, and what they hold is named after them: all that one look found, at once, for names
+    /// may have been exchanged.
+    Moved {
+        /// The files.
+        files: Vec<MovedFile>,
+        /// Names of runs before and now.
+        runs: Vec<(String, String)>,
+    },
+    /// As an earlier version of the program said it of one file.
     Renamed {
         /// Its name before.
         old: String,
@@ -90,6 +98,15 @@ pub struct NamedBytes {
     pub hash: String,
 }
 
+/// A file whose bytes lie under another name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MovedFile {
+    /// Its path before.
+    pub old: String,
+    /// What it is now.
+    pub now: NamedBytes,
+}
+
 /// A run by its name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedRun {
@@ -97,6 +114,14 @@ pub struct NamedRun {
     pub name: String,
     /// Which revision of it was read.
     pub revision: i64,
+    /// Whether it is the measurement that had this name before, with other bytes; else another one lay under the name.
+    #[serde(default = "said_by_name")]
+    pub continues: bool,
+}
+
+/// An earlier version of the program held what has the same name for the same measurement.
+fn said_by_name() -> bool {
+    true
 }
 
 /// An alarm as it was told.
@@ -125,6 +150,10 @@ pub struct Line {
     pub at: String,
     /// What it says.
     pub entry: Entry,
+    /// The measurement that a word is about. None in other lines, and in those that an earlier version of the program wrote:
+    /// there it is the run that had the name then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of: Option<String>,
     /// Checksum of the line before it. None in the first line, and in those that an earlier version of the program wrote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
@@ -140,6 +169,7 @@ impl Entry {
             Entry::Read { .. } => "read",
             Entry::Log { .. } => "log",
             Entry::Alias { .. } => "alias",
+            Entry::Moved { .. } => "moved",
             Entry::Renamed { .. } => "renamed",
             Entry::Gone { .. } => "gone",
             Entry::Tag(_) => "tag",
@@ -164,6 +194,11 @@ impl Entry {
         }
     }
 
+    /// Whether it is about a run.
+    pub fn is_of_run(&self) -> bool {
+        matches!(self, Entry::Tag(_) | Entry::Word(_) | Entry::Asked { .. })
+    }
+
     /// What it says, for a person who has to tell two entries from each other.
     pub fn in_words(&self) -> String {
         match self {
@@ -173,6 +208,12 @@ impl Entry {
             }
             Entry::Log { file, .. } => format!("{} read", file.path),
             Entry::Alias { file } => format!("{} known as a copy", file.path),
+            Entry::Moved { files, .. } => {
+                let moved = files
+                    .iter()
+                    .map(|file| format!("{} renamed to {}", file.old, file.now.path));
+                moved.collect::<Vec<_>>().join(", ")
+            }
             Entry::Renamed { old, file } => format!("{old} renamed to {}", file.path),
             Entry::Gone { path, .. } => format!("{path} deleted"),
             Entry::Tag(tag) => {

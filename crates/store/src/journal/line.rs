@@ -16,12 +16,13 @@ impl Line {
     pub(super) fn following(
         after: Option<&str>,
         n: u64,
-        (at, entry): (String, Entry),
+        (at, entry, of): (String, Entry, Option<String>),
     ) -> serde_json::Result<Line> {
         let mut line = Line {
             n,
             at,
             entry,
+            of,
             after: after.map(str::to_owned),
             text: String::new(),
         };

@@ -24,7 +24,7 @@ use super::{Store, StoreError};
 pub use agree::Agreed;
 pub(crate) use course::read as read_line;
 pub use course::{Compared, in_words};
-pub use entry::{End, Entry, Line, NamedBytes, NamedRun, ToldAlarm};
+pub use entry::{End, Entry, Line, MovedFile, NamedBytes, NamedRun, ToldAlarm};
 pub(crate) use file::aside_in;
 pub use file::{Found, HeldJournal, found, hold, path_in, read, set_aside};
 pub use salvage::{Union, union};

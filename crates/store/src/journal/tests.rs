@@ -317,7 +317,7 @@ fn lines_that_neither_has_are_missed_until_a_rebuilding_told_of_them() {
     let compared = Compared::of(&[all[0].clone(), all[2].clone()], &found(&all)).unwrap();
     assert!(!compared.can_be_said_again());
     let lost = "two lines".to_owned();
-    let told = Line::following(None, 5, ("now".to_owned(), Entry::Missed { lost })).unwrap();
+    let told = Line::following(None, 5, ("now".to_owned(), Entry::Missed { lost }, None)).unwrap();
     let compared = Compared::of(&[first, &[told]].concat(), &Found::default()).unwrap();
     assert!(compared.missing.is_empty());
     drop(store);

@@ -136,7 +136,8 @@ impl Journal {
             said.before = course::last(connection)?;
         }
         let end = said.lines.last().map_or_else(|| said.before.clone(), End::after);
-        let line = Line::following(end.sum.as_deref(), end.n + 1, (at.to_owned(), entry));
+        let of = course::run_of(connection, &entry)?;
+        let line = Line::following(end.sum.as_deref(), end.n + 1, (at.to_owned(), entry, of));
         let line = line.map_err(|e| StoreError::BadValue {
             what: "an entry of the journal",
             detail: e.to_string(),

@@ -1,8 +1,8 @@
 //! Results come back as they were stored, and whatever changed of them is told.
 
 use super::*;
-use crate::FileRow;
 use crate::testing::new_run;
+use crate::{FileRow, Moves};
 use ieap_domain::testing::{fit, known};
 use ieap_domain::{FileState, Fit, Quantity, RunCurve, RunKind};
 
@@ -162,9 +162,13 @@ fn changed(store: &mut Store, how: &str) {
     let run_id = *store.states_of_runs().unwrap().first_key_value().unwrap().0;
     let mut run = new_run(path, RunKind::Actuation, &[1.0, 2.0]);
     match how {
-        "renamed" => store
-            .rename_run(NOW, path, "runs/b.csv", &file("runs/b.csv"))
-            .unwrap(),
+        "renamed" => {
+            let moves = Moves {
+                files: [(path.to_owned(), file("runs/b.csv"))].into(),
+                runs: vec![(path.to_owned(), "runs/b.csv".to_owned())],
+            };
+            store.move_files(NOW, &moves).unwrap();
+        }
         "tagged" => {
             run.tagging.area_cm2 = Some(0.2);
             store.retag(NOW, run_id, &run.tagging).unwrap();

@@ -116,6 +116,15 @@ pub enum PipelineError {
         /// A sentence with the nearest name, or nothing.
         nearest: String,
     },
+    /// Another file lies under the name of a run than at the last look, or one that was not looked at yet: it is not known which
+    /// measurement is meant.
+    #[error(
+        "{file} is not the file that was there when the folder was looked at last, so that it is open which measurement is meant; nothing was set. Run `ieap run` (or let the running `ieap watch` come to it), then say it again."
+    )]
+    Unseen {
+        /// The file.
+        file: String,
+    },
     /// A tag is set under a key that is neither known nor declared, or to a value that no run can have.
     #[error("{found}; nothing was set. Mend: {mend}.")]
     TagRefused {

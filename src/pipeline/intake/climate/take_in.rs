@@ -8,7 +8,6 @@ use crate::analysis::climate::sensors::FOLDERS;
 use crate::domain::{FileState, Issue};
 use crate::ingest::Reading;
 use crate::ingest::climate_log::{Log, Series, log};
-use crate::ingest::scan::Changes;
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::ingest::{Outcome, PreparedFile, Readers, content_of, file_row, set_aside};
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -68,7 +67,6 @@ pub fn settle_log(
     context: &mut Context,
     readers: &Readers,
     prepared: &PreparedFile,
-    changes: &Changes,
     summary: &mut LogSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
@@ -79,7 +77,7 @@ pub fn settle_log(
         summary.unread.extend(prepared.unread());
         return Ok(());
     };
-    if is_known(context, readers, prepared, reading, changes, summary)? {
+    if is_known(context, readers, prepared, reading, summary)? {
         return Ok(());
     }
     let path = &prepared.file.display;
@@ -89,13 +87,12 @@ pub fn settle_log(
     }
 }
 
-/// Whether the bytes are those of a current log: then the file is that log's, an alias of it, or takes its place.
+/// Whether the bytes are those of a current log: then the file is that log's, or an alias of it.
 fn is_known(
     context: &mut Context,
     readers: &Readers,
     prepared: &PreparedFile,
     reading: &Reading,
-    changes: &Changes,
     summary: &mut LogSummary,
 ) -> Result<bool, PipelineError> {
     let Some(hash) = &prepared.hash else {
@@ -120,15 +117,8 @@ fn is_known(
         }
         return Ok(same_reader);
     }
-    if holders.len() == 1 && changes.gone.binary_search(holder).is_ok() {
-        context
-            .store
-            .rename_log(&now, holder, path, &row(FileState::Log))?;
-        summary.renamed.push((holder.clone(), path.clone()));
-    } else {
-        context.store.record_files(&now, &[row(FileState::Alias)])?;
-        summary.aliases.push(path.clone());
-    }
+    context.store.record_files(&now, &[row(FileState::Alias)])?;
+    summary.aliases.push(path.clone());
     Ok(true)
 }
 

@@ -39,7 +39,7 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
     Ok(changes.new.len() + changes.changed.len() + gone + again)
 }
 
-pub(super) fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
+pub fn known(stored: &[FileRow]) -> Vec<Known<'_>> {
     fn known(file: &FileRow) -> Known<'_> {
         Known {
             display: &file.path,

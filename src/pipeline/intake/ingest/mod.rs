@@ -1,11 +1,13 @@
 //! Takes in what is new in the campaign folder: scan, read, tag, archive, store. Idempotent.
 
 mod batch;
+mod continues;
 mod copies;
 pub(crate) mod frame_folder;
 pub(crate) mod groups;
 mod known;
 mod left_out;
+mod moves;
 pub(crate) mod pairs;
 mod places;
 mod prepare;
@@ -33,13 +35,14 @@ use crate::pipeline::campaign::{planned, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::FileRow;
 use batch::in_batches;
-use known::{Orphans, known, note_change_times};
+use known::{Orphans, note_change_times};
 use prepare::{Group, not_read_now};
 pub(crate) use readers::Readers;
 use statements::{Statements, is_statement};
 
 pub(crate) use batch::together;
 pub use known::files_due;
+pub(crate) use known::known;
 pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, prepare_bytes, run_parts};
 pub use retag::retag_runs;
 pub(crate) use rows::{content_of, file_row, set_aside};
@@ -95,12 +98,14 @@ impl Ingest<'_> {
         let (logs, stored): (Vec<FileRow>, Vec<FileRow>) =
             files.into_iter().partition(|file| of_logs(&file.path));
         context.stated = TagFiles::of(&context.folder);
-        let changes = scan::diff(&known(&stored), &seen);
-        note_change_times(context, &stored, &changes)?;
         let mut summary = IngestSummary {
             files: seen.files.len(),
             ..IngestSummary::default()
         };
+        let of_runs = |path: &str| !of_logs(path) && !is_statement(path);
+        let looked = named_by_bytes(context, (&seen, stored), (&of_runs, FileState::Run), observer)?;
+        let (stored, changes) = (looked.stored, looked.changes);
+        summary.renamed = looked.renamed;
         let readers = Readers::of(&context.profiles, &context.campaign, &stored);
         // Logs first, so that runs are tagged with them at once.
         for folder in log_folders(&runs_folder) {
@@ -181,8 +186,15 @@ impl Ingest<'_> {
                 return Ok(None);
             }
         };
-        let changes = scan::diff(&known(stored), &seen);
-        note_change_times(context, stored, &changes)?;
+        let of_folder = |path: &str| is_below(path, folder) && !is_statement(path);
+        let looked = named_by_bytes(
+            context,
+            (&seen, stored.to_vec()),
+            (&of_folder, FileState::Log),
+            observer,
+        )?;
+        let (stored, changes) = (&looked.stored[..], looked.changes);
+        summary.logs.renamed.extend(looked.renamed);
         summary.logs.files += seen.files.len();
         let readers = Readers::of(&context.profiles, &context.campaign, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
@@ -197,7 +209,7 @@ impl Ingest<'_> {
             observer.begin("reading climate logs", groups.len() as u64);
             let mended = in_batches(context, &groups, observer, &mut |context, prepared, observer| {
                 prepared.files.iter().try_for_each(|file| {
-                    climate::settle_log(context, &readers, file, &changes, &mut summary.logs, observer)
+                    climate::settle_log(context, &readers, file, &mut summary.logs, observer)
                 })
             })?;
             summary.mended.extend(mended);
@@ -232,6 +244,43 @@ impl Ingest<'_> {
             .extend(waiting.into_iter().map(|file| file.display.clone()));
         ready
     }
+}
+
+/// What is stored of files and how it differs from what a scan saw, when runs or logs have the names of the files that hold
+/// their bytes.
+struct Looked {
+    stored: Vec<FileRow>,
+    changes: Changes,
+    /// Names before and now.
+    renamed: Vec<(String, String)>,
+}
+
+fn named_by_bytes(
+    context: &mut Context,
+    (seen, stored): (&Scan, Vec<FileRow>),
+    (wanted, state): (&dyn Fn(&str) -> bool, FileState),
+    observer: &dyn Observer,
+) -> Result<Looked, PipelineError> {
+    let changes = scan::diff(&known(&stored), seen);
+    note_change_times(context, &stored, &changes)?;
+    let mut held = context.store.held_files()?;
+    held.retain(|file| wanted(&file.path));
+    let renamed = moves::settle(context, (&held, state), (&stored, seen, &changes), observer)?;
+    if renamed.is_empty() {
+        return Ok(Looked {
+            stored,
+            changes,
+            renamed,
+        });
+    }
+    let mut stored = context.store.files()?;
+    stored.retain(|file| wanted(&file.path));
+    let changes = scan::diff(&known(&stored), seen);
+    Ok(Looked {
+        stored,
+        changes,
+        renamed,
+    })
 }
 
 /// The groups of files with one that is `due` and none that waits.

@@ -60,13 +60,22 @@ pub fn retag_runs(
             context,
             &shelf,
             (&path, &files),
+            &sources.said_of,
             others_of(run_id),
             window,
             gone.contains(&run_id),
         )?;
         let changed = digest != stored;
         if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
-            due.insert(run_id, Due { digest, changed });
+            let said_of = sources.said_of;
+            due.insert(
+                run_id,
+                Due {
+                    digest,
+                    changed,
+                    said_of,
+                },
+            );
         }
     }
     if due.is_empty() {
@@ -92,7 +101,14 @@ pub fn retag_runs(
                     }
                     // Only its date could be told now: that waits for what cannot be read, too.
                     Some(_) => {}
-                    None if retag(context, &shelf, run, others, gone.contains(&run.id))? => {
+                    None if retag(
+                        context,
+                        &shelf,
+                        (run, &due.said_of),
+                        others,
+                        gone.contains(&run.id),
+                    )? =>
+                    {
                         retagged.push(run.path.clone())
                     }
                     None => {}
@@ -114,6 +130,8 @@ struct Due {
     digest: String,
     /// Whether the digest is another one than before.
     changed: bool,
+    /// What words of people hang on that hold of it.
+    said_of: Vec<String>,
 }
 
 /// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
@@ -161,7 +179,7 @@ fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
 fn retag(
     context: &mut Context,
     shelf: &Shelf,
-    run: &RunRecord,
+    (run, said_of): (&RunRecord, &[String]),
     other_names: &[String],
     is_gone: bool,
 ) -> Result<bool, PipelineError> {
@@ -185,6 +203,7 @@ fn retag(
         run_path: &run.path,
         kind: run.kind,
         file_paths: run.files.iter().map(|file| file.path.as_str()).collect(),
+        said_of: said_of.to_vec(),
         other_names,
         origin: &run.origin,
         channels: &channels,

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::continues::continues;
 use super::prepare::{Outcome, Prepared, PreparedFile, RunPart, joined, run_parts};
 use super::readers::{Readers, format_of, reader_of};
 use super::rows::{content_of, file_row, set_aside};
@@ -15,7 +16,8 @@ use crate::ingest::scan::{Changes, Scan};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FileRow, NewRun, RunContent, Store};
+use crate::store::journal::NamedRun;
+use crate::store::{Continues, FileRow, Moves, NewRun, RunContent, Store, measurement};
 
 /// Stores a group: its runs, an alias, a new name, or why it was refused.
 pub fn settle(
@@ -158,14 +160,19 @@ fn is_known(
         }
         return Ok(same_reader);
     }
+    // A folder of frames: of all else the names were settled before ([`super::moves`]).
     let moved = holders.len() == 1
         && run_path == file_path
         && changes.gone.binary_search(file_path).is_ok()
         && !context.store.has_run(&path)?;
     if moved {
         let (old, new) = (run_path.clone(), path.clone());
-        context.store.rename_run(&now, &old, &new, &row(FileState::Run))?;
-        summary.renamed.push((old, new));
+        let moves = Moves {
+            files: [(old.clone(), row(FileState::Run))].into(),
+            runs: vec![(old, new)],
+        };
+        context.store.move_files(&now, &moves)?;
+        summary.renamed.extend(moves.runs);
     } else {
         context.store.record_files(&now, &[row(FileState::Alias)])?;
         summary.aliases.push(path);
@@ -196,19 +203,17 @@ fn store_runs(
 ) -> Result<(), PipelineError> {
     let (rows, runs) = runs_of(context, (readers, shelf), (run_name, kind), files, &[])?;
     for run in &runs {
-        let known = context.store.has_run(&run.path)?;
-        observer.say(&format!(
-            "{} {} ({})",
-            if known { "new revision of" } else { "read" },
-            run.path,
-            run.format
-        ));
-        if known {
-            &mut summary.revised
-        } else {
-            &mut summary.new
-        }
-        .push(run.path.clone());
+        let known = context.store.id_of_run(&run.path)?.is_some();
+        let (did, list) = match run.continues {
+            Continues::Same if known => ("new revision of", &mut summary.revised),
+            Continues::Another if known => {
+                summary.replaced.push(run.path.clone());
+                ("another measurement than before is", &mut summary.new)
+            }
+            _ => ("read", &mut summary.new),
+        };
+        observer.say(&format!("{did} {} ({})", run.path, run.format));
+        list.push(run.path.clone());
     }
     if runs.is_empty() {
         Ok(())
@@ -217,7 +222,8 @@ fn store_runs(
     }
 }
 
-/// The runs that files hold, tagged, with what is known of the files. The first runs take the names of `given`.
+/// The runs that files hold, tagged, with what is known of the files. The first runs are named as `given`, and continue what
+/// had the name then as it says.
 ///
 /// # Errors
 /// The database cannot be read.
@@ -226,7 +232,7 @@ pub(crate) fn runs_of(
     (readers, shelf): (&Readers, &Shelf),
     (run_name, kind): (&str, RunKind),
     files: &[PreparedFile],
-    given: &[String],
+    given: &[NamedRun],
 ) -> Result<(Vec<FileRow>, Vec<NewRun>), PipelineError> {
     let readings = readings_of(files);
     let Some(first) = readings.first().copied() else {
@@ -248,14 +254,37 @@ pub(crate) fn runs_of(
     };
     let mut names = run_names(context, base, &parts, &contents)?;
     for (name, given) in names.iter_mut().zip(given) {
-        name.clone_from(given);
+        name.clone_from(&given.name);
     }
+    let mut tables: BTreeMap<String, usize> = BTreeMap::new();
     let runs: Vec<NewRun> = parts
         .into_iter()
         .zip(names)
-        .map(|(part, name)| {
+        .enumerate()
+        .map(|(at, (part, name))| {
+            let before = tables.entry(part.suffix.clone()).or_insert(0);
+            *before += 1;
+            let table = if *before > 1 {
+                format!("{} ({before})", part.suffix)
+            } else {
+                part.suffix.clone()
+            };
+            let continues = match given.get(at) {
+                Some(given) if given.continues => Continues::Same,
+                Some(_) => Continues::Another,
+                None => continues(context, &name, &contents, &part.channels)?,
+            };
+            let known_by = (measurement(kind, &contents, &table), continues);
             let kind = part.kind(kind);
-            new_run((context, shelf), name, kind, part, files, &contents, &join_issues)
+            new_run(
+                (context, shelf),
+                (name, known_by),
+                kind,
+                part,
+                files,
+                &contents,
+                &join_issues,
+            )
         })
         .collect::<Result<_, _>>()?;
     Ok((rows, runs))
@@ -310,7 +339,7 @@ fn run_row(readers: &Readers, file: &PreparedFile) -> Option<FileRow> {
 
 fn new_run(
     (context, shelf): (&Context, &Shelf),
-    path: String,
+    (path, (measurement, continues)): (String, (String, Continues)),
     kind: RunKind,
     part: RunPart,
     files: &[PreparedFile],
@@ -326,7 +355,14 @@ fn new_run(
         .iter()
         .find(|reading| reading.status != RunStatus::Complete)
         .unwrap_or(&first);
+    // What holds of earlier bytes that come back is known when all are in; then it is tagged again.
+    let mut said_of = vec![measurement.clone()];
+    match continues {
+        Continues::Same => said_of.extend(context.store.said_of(&path)?),
+        Continues::Another => said_of.extend(contents.iter().map(|content| content.hash.clone())),
+    }
     let input = TaggingInput {
+        said_of,
         run_path: &path,
         kind,
         file_paths: contents.iter().map(|content| content.path.as_str()).collect(),
@@ -346,6 +382,8 @@ fn new_run(
     Ok(NewRun {
         tagging: tagging(context, shelf, &input)?,
         data_hash: data_hash(&part.channels),
+        measurement,
+        continues,
         format: format_of(first, files[0].profile.as_ref()),
         origin,
         reader_version: first.reader_version,

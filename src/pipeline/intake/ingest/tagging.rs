@@ -16,7 +16,7 @@ use crate::domain::{
     Channel, InputHash, Issue, Quantity, RunKind, RunOrigin, RunState, Sample, Severity, Tag, TagSource,
 };
 use crate::ingest::named_columns::named_columns;
-use crate::ingest::scan::{display_path, parse_display_path};
+use crate::ingest::scan::parse_display_path;
 use crate::ingest::tags::{self, OtherName, Resolved, TagRequest};
 use crate::ingest::{StartedAt, Timestamp, clocks, drive};
 use crate::pipeline::intake::climate::{self, Asked, Shelf, Start, climate_of};
@@ -35,6 +35,8 @@ pub struct TaggingInput<'a> {
     pub kind: RunKind,
     /// Paths of its files, as the scan displays them.
     pub file_paths: Vec<&'a str>,
+    /// What words of people hang on that hold of it ([`crate::store::TagSources::said_of`]).
+    pub said_of: Vec<String>,
     /// Other paths and runs that hold the same readings.
     pub other_names: &'a [String],
     /// Clocks, flags and profiles that the readings rest on.
@@ -59,7 +61,7 @@ pub struct TaggingInput<'a> {
 /// The database cannot be read.
 pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Result<Tagging, PipelineError> {
     let files = tag_files(input.run_path, &input.file_paths);
-    let hand = hand_tags(context, input.run_path, &files)?;
+    let hand = hand_tags(context, &input.said_of)?;
     let mut header = input.header_tags.clone();
     let beside = context
         .folder
@@ -127,6 +129,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         context,
         shelf,
         (input.run_path, &files),
+        &input.said_of,
         input.other_names,
         window,
         input.kept.is_some(),
@@ -278,6 +281,7 @@ pub fn digest(
     context: &Context,
     shelf: &Shelf,
     (run_path, files): (&str, &[PathBuf]),
+    said_of: &[String],
     other_paths: &[String],
     window: Option<Window>,
     is_gone: bool,
@@ -300,7 +304,7 @@ pub fn digest(
         hash.issue(doubt);
     }
     // With by whom and when, which the run tells.
-    take_stated(&mut hash, &hand_tags(context, run_path, files)?);
+    take_stated(&mut hash, &hand_tags(context, said_of)?);
     for other in other_names(context, other_paths)? {
         hash.bytes(other.file.as_os_str().as_encoded_bytes());
         take_stated(&mut hash, &other.hand);
@@ -372,7 +376,7 @@ fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, Pi
     let named = |path: &String| {
         let file = parse_display_path(path);
         Ok(OtherName {
-            hand: hand_tags(context, path, &[])?,
+            hand: hand_tags(context, &context.store.said_of(path)?)?,
             planned: planned_tags(context, path, std::slice::from_ref(&file)),
             file,
         })
@@ -380,8 +384,8 @@ fn other_names(context: &Context, paths: &[String]) -> Result<Vec<OtherName>, Pi
     paths.iter().map(named).collect()
 }
 
-/// Tags set by hand for a run, then for its files by their own names: what was said of a half is said of the run.
-fn hand_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<Vec<Tag>, PipelineError> {
+/// Tags set by hand of what stands in `said_of`: of the run's bytes, whatever their name.
+fn hand_tags(context: &Context, said_of: &[String]) -> Result<Vec<Tag>, PipelineError> {
     let as_tag = |tag: HandTag| {
         let detail = format!("{}, {}", tag.set_by, tag.set_at);
         Some(Tag {
@@ -391,13 +395,8 @@ fn hand_tags(context: &Context, run_path: &str, files: &[PathBuf]) -> Result<Vec
             detail,
         })
     };
-    let mut tags = Vec::new();
-    let of_files = files.iter().map(|file| display_path(file));
-    let others = of_files.filter(|file| file != run_path);
-    for name in std::iter::once(run_path.to_owned()).chain(others) {
-        tags.extend(context.store.hand_tags(&name)?.into_iter().filter_map(as_tag));
-    }
-    Ok(tags)
+    let tags = context.store.hand_tags_of(said_of)?;
+    Ok(tags.into_iter().filter_map(as_tag).collect())
 }
 
 /// The start of the run as a header tag, where the file states it for certain.

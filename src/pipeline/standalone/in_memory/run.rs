@@ -133,6 +133,7 @@ impl RunAtHand {
             ..RunOrigin::default()
         };
         let input = TaggingInput {
+            said_of: Vec::new(),
             run_path: name,
             kind: RunKind::Actuation,
             file_paths: Vec::new(),

@@ -4,18 +4,32 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::store::journal::{Entry, Line};
 
-/// The lines that hold, in order. Where two of them read the same revision of a run or log, the first was never stored.
+/// What a line reads: a name, its revision, and the bytes.
+type Read = (String, i64, String);
+
+/// The lines that hold, in order. Where two of them read the same revision of a run or log from the same bytes, the first was
+/// never stored.
 pub fn that_hold(lines: &[Line]) -> Vec<&Line> {
-    let mut last: BTreeMap<(String, i64), usize> = BTreeMap::new();
+    let mut last: BTreeMap<Read, usize> = BTreeMap::new();
     let mut never: BTreeSet<usize> = BTreeSet::new();
     for (index, line) in lines.iter().enumerate() {
-        let mut reads = |name: &str, revision: i64| {
-            never.extend(last.insert((name.to_owned(), revision), index));
+        let mut reads = |name: &str, revision: i64, bytes: &str| {
+            never.extend(last.insert((name.to_owned(), revision, bytes.to_owned()), index));
         };
         match &line.entry {
-            Entry::Read { runs, .. } => runs.iter().for_each(|run| reads(&run.name, run.revision)),
-            Entry::Log { file, revision } => reads(&file.path, *revision),
-            Entry::Renamed { old, file } => rename(&mut last, old, &file.path),
+            Entry::Read { runs, files, .. } => {
+                let bytes: Vec<&str> = files.iter().map(|file| file.hash.as_str()).collect();
+                let bytes = bytes.join(" ");
+                runs.iter().for_each(|run| reads(&run.name, run.revision, &bytes));
+            }
+            Entry::Log { file, revision } => reads(&file.path, *revision, &file.hash),
+            Entry::Renamed { old, file } => rename(&mut last, &[(old, &file.path)]),
+            Entry::Moved { files, runs } => {
+                let logs = files.iter().map(|file| (&file.old, &file.now.path));
+                let runs = runs.iter().map(|(old, new)| (old, new));
+                let moved: BTreeMap<&String, &String> = logs.chain(runs).collect();
+                rename(&mut last, &moved.into_iter().collect::<Vec<_>>());
+            }
             _ => {}
         }
     }
@@ -24,16 +38,14 @@ pub fn that_hold(lines: &[Line]) -> Vec<&Line> {
 }
 
 /// What was read under a name is known by another from here on; the old name may come again.
-fn rename(last: &mut BTreeMap<(String, i64), usize>, old: &str, new: &str) {
-    let moved: Vec<((String, i64), usize)> = last
-        .iter()
-        .filter(|((name, _), _)| name == old)
-        .map(|(key, index)| (key.clone(), *index))
-        .collect();
-    for ((name, revision), index) in moved {
-        last.remove(&(name, revision));
-        last.insert((new.to_owned(), revision), index);
-    }
+fn rename(last: &mut BTreeMap<Read, usize>, names: &[(&String, &String)]) {
+    let named = std::mem::take(last).into_iter();
+    let renamed = named.map(|((name, revision, bytes), index)| {
+        let now = names.iter().find(|(old, _)| **old == name);
+        let name = now.map_or(name, |(_, new)| (*new).clone());
+        ((name, revision, bytes), index)
+    });
+    last.extend(renamed);
 }
 
 #[cfg(test)]
@@ -48,6 +60,7 @@ mod tests {
             n,
             at,
             entry,
+            of: None,
             after: None,
             text: String::new(),
         }
@@ -61,6 +74,7 @@ mod tests {
             runs: vec![NamedRun {
                 name: name.to_owned(),
                 revision,
+                continues: true,
             }],
         };
         line(n, entry)

@@ -13,8 +13,8 @@ use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate::{Shelf, new_log};
 use crate::pipeline::intake::ingest::{Outcome, PreparedFile, Readers, files_of_runs, runs_of, together};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::FileRow;
-use crate::store::journal::{Entry, Line, NamedBytes, NamedRun};
+use crate::store::journal::{Entry, Line, MovedFile, NamedBytes, NamedRun};
+use crate::store::{FileRow, Moves, Store};
 
 /// Lines between two commits: bounds memory, and lets threads read side by side.
 const BATCH: usize = 32;
@@ -106,12 +106,13 @@ impl Replayed {
             } => return self.read(context, at, *kind, (runs, files), read),
             Entry::Log { file, .. } => return self.log(context, at, file, read),
             Entry::Alias { file } => store.record_files(at, &[row(file, FileState::Alias)])?,
+            Entry::Moved { files, runs } => moved(store, at, files, runs)?,
             Entry::Renamed { old, file } => {
-                if store.has_log(old)? {
-                    store.rename_log(at, old, &file.path, &row(file, FileState::Log))?;
-                } else {
-                    store.rename_run(at, old, &file.path, &row(file, FileState::Run))?;
-                }
+                let files = [MovedFile {
+                    old: old.clone(),
+                    now: file.clone(),
+                }];
+                moved(store, at, &files, &[(old.clone(), file.path.clone())])?;
             }
             Entry::Gone { path, tags } => {
                 // The run's own file, though another one lay in its place.
@@ -150,7 +151,7 @@ impl Replayed {
         let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
         let (readers, shelf) = tools(context)?;
         let base = names.first().map_or("", String::as_str);
-        let (rows, made) = runs_of(context, (&readers, &shelf), (base, kind), &files, &names)?;
+        let (rows, made) = runs_of(context, (&readers, &shelf), (base, kind), &files, runs)?;
         for name in names.iter().skip(made.len()) {
             let issue = Issue::error(
                 "table-not-found",
@@ -194,6 +195,28 @@ impl Replayed {
         }
         Ok(())
     }
+}
+
+/// Names runs, logs and their files as a look found them.
+fn moved(
+    store: &mut Store,
+    at: &str,
+    files: &[MovedFile],
+    runs: &[(String, String)],
+) -> Result<(), PipelineError> {
+    let mut moves = Moves {
+        runs: runs.to_vec(),
+        ..Moves::default()
+    };
+    for file in files {
+        let state = if store.has_log(&file.old)? {
+            FileState::Log
+        } else {
+            FileState::Run
+        };
+        moves.files.insert(file.old.clone(), row(&file.now, state));
+    }
+    Ok(store.move_files(at, &moves)?)
 }
 
 /// What runs are made with: the readers, and the climate logs that came before.

@@ -24,6 +24,8 @@ CREATE TABLE run (
     kind          TEXT    NOT NULL CHECK (kind IN ('actuation', 'dma', 'impedance')),
     state         TEXT    NOT NULL CHECK (state IN ('ready', 'untagged', 'not_fitted', 'no_steps')),
     data_hash     TEXT    NOT NULL,              -- BLAKE3 of the readings
+    measurement   TEXT    NOT NULL,              -- what it is known by: BLAKE3 of its raw bytes, whatever their name
+    continues     TEXT    NOT NULL,              -- earlier bytes of it, with blanks between: what was said of them holds of it
     tag_digest    TEXT    NOT NULL,              -- BLAKE3 over everything the tags came from
     ingested_at   TEXT    NOT NULL,
     row_hash      BLOB    NOT NULL DEFAULT x'',
@@ -33,6 +35,7 @@ CREATE TABLE run (
     UNIQUE (path, revision)
 ) STRICT;
 CREATE UNIQUE INDEX run_current ON run (path) WHERE superseded_at IS NULL;
+CREATE INDEX run_measurement ON run (measurement);
 
 -- The raw files of a run: one, or several joined.
 CREATE TABLE run_file (
@@ -120,7 +123,7 @@ CREATE TABLE journal_line (
     n        INTEGER NOT NULL PRIMARY KEY,       -- its number
     line     TEXT    NOT NULL,                   -- as it stands in archive/journal.jsonl, with its checksum
     what     TEXT    NOT NULL,                   -- what it says: read, tag, word, asked, told, missed, ...
-    name     TEXT,                               -- of the run that it is about, as it is named now, or of the alarm; NULL: of neither
+    name     TEXT,                               -- the measurement that it is about (run.measurement), or id of the alarm; NULL: of neither
     row_hash BLOB    NOT NULL DEFAULT x''
 ) STRICT;
 CREATE INDEX journal_line_what ON journal_line (what, name);
