@@ -179,9 +179,12 @@ impl World {
                 }
             }
             6 => {
+                // Measured on and renamed between two looks it is another one: neither its bytes nor its name are known.
+                self.look();
                 let on = self.files[&name];
                 let rows = (on.rows + 7).min(320);
                 self.put(&name, Measurement { rows, ..on });
+                self.look();
             }
             7 => {
                 let note = format!("note {}", self.course.len());

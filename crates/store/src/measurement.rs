@@ -7,13 +7,12 @@
 
 use std::collections::BTreeSet;
 
-use rusqlite::{OptionalExtension, params};
+use rusqlite::{OptionalExtension, Row, params};
 
-use super::columns::to_json;
-use super::new_run::{NewRun, ReadDocument, RunRow};
+use super::columns::{json_in, to_json};
+use super::new_run::{Continues, NewRun, ReadDocument, RunRow};
 use super::results::retire_of_run;
 use super::rows::{RUN, RUN_FILE};
-use super::run_changes::documents;
 use super::{RunContent, StepError, Transaction};
 use ieap_domain::RunKind;
 
@@ -40,15 +39,6 @@ pub fn measurement(of_folder: RunKind, contents: &[RunContent], table: &str) -> 
             hasher.finalize().to_hex().to_string()
         }
     }
-}
-
-/// Whether what was read is what had its name before, with other bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Continues {
-    /// It is: measured on, or mended.
-    Same,
-    /// Another measurement was saved under the name.
-    Another,
 }
 
 /// A revision that a new one follows.
@@ -197,6 +187,26 @@ pub(super) fn rename_rows(
         })?;
     }
     Ok(())
+}
+
+/// Row ids of runs and a document of each.
+pub(super) fn documents<T: serde::de::DeserializeOwned>(
+    transaction: &Transaction<'_>,
+    column: &'static str,
+    condition: &str,
+    key: impl rusqlite::ToSql,
+) -> Result<Vec<(i64, T)>, StepError> {
+    let sql = format!("SELECT id, {column} FROM run WHERE {condition} ORDER BY id");
+    let mut statement = transaction.prepare_cached(&sql)?;
+    let mut rows = statement.query([key])?;
+    let mut found = Vec::new();
+    let read = |row: &Row<'_>| -> Result<(i64, T), StepError> {
+        Ok((row.get("id")?, json_in(row, column, column)?))
+    };
+    while let Some(row) = rows.next()? {
+        found.push(read(row)?);
+    }
+    Ok(found)
 }
 
 impl RunRow {

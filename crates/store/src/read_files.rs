@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use rusqlite::params;
 
-use super::new_run::{NewRun, RunRow, supersede};
+use super::insert_run::supersede;
+use super::new_run::{NewRun, RunRow};
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::{ChannelSummary, Quantity, RunClock, RunKind, StartedAt};
 

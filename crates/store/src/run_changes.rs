@@ -1,12 +1,13 @@
 //! What changes runs: new revisions, tags, names.
 
-use rusqlite::{Row, params};
+use rusqlite::params;
 
-use super::columns::{json_in, to_json};
+use super::columns::to_json;
 use super::files::upsert_file;
+use super::insert_run::insert_run;
 use super::journal::{Entry, NamedBytes, NamedRun};
-use super::measurement::Continues;
-use super::new_run::{NewRun, TagDocument, TagOfSource, Tagging, insert_run};
+use super::measurement::documents;
+use super::new_run::{Continues, NewRun, TagDocument, TagOfSource, Tagging};
 use super::read_files::supersede_parts;
 use super::results::retire_of_run;
 use super::rows::RUN;
@@ -140,26 +141,6 @@ fn change_tags(
         })?;
     }
     Ok(())
-}
-
-/// Row ids of runs and a document of each.
-pub(super) fn documents<T: serde::de::DeserializeOwned>(
-    transaction: &Transaction<'_>,
-    column: &'static str,
-    condition: &str,
-    key: impl rusqlite::ToSql,
-) -> Result<Vec<(i64, T)>, StepError> {
-    let sql = format!("SELECT id, {column} FROM run WHERE {condition} ORDER BY id");
-    let mut statement = transaction.prepare_cached(&sql)?;
-    let mut rows = statement.query([key])?;
-    let mut found = Vec::new();
-    let read = |row: &Row<'_>| -> Result<(i64, T), StepError> {
-        Ok((row.get("id")?, json_in(row, column, column)?))
-    };
-    while let Some(row) = rows.next()? {
-        found.push(read(row)?);
-    }
-    Ok(found)
 }
 
 /// Current runs in a file: under its name, with the bytes that it had.
