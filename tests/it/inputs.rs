@@ -21,12 +21,11 @@ use crate::dma::plain_log;
 /// Seed of what is drawn.
 const SEED: u64 = 20_261_130;
 
-/// Tags with values of which some change results and some do not. `clamp` is declared, `drawer` is not.
-const TAGS: [(&str, &[&str]); 17] = [
+/// Tags with values of which some change results and some do not. `clamp` is declared.
+const TAGS: [(&str, &[&str]); 16] = [
     ("note", &["a", "b"]),
     ("operator", &["ann", "bob"]),
     ("instrument", &["one", "two"]),
-    ("drawer", &["left", "right"]),
     ("clamp", &["1", "2"]),
     ("cycle", &["1", "2"]),
     ("rest_before_s", &["60", "600"]),
@@ -43,10 +42,9 @@ const TAGS: [(&str, &[&str]); 17] = [
 ];
 
 /// Of these nothing that is stored is made, whatever they say.
-const NEVER_READ: [&str; 7] = [
+const NEVER_READ: [&str; 6] = [
     "note",
     "instrument",
-    "drawer",
     "cycle",
     "exposure_h",
     "temperature_c",
@@ -59,9 +57,9 @@ type Row = (i64, String, Value);
 /// Current results but those of ingest, by kind and name.
 fn results(folder: &Path) -> BTreeMap<(String, String), Row> {
     let database = rusqlite::Connection::open(folder.join("campaign.db")).unwrap();
-    let sql = "SELECT kind, coalesce(result.name, run.path), result.id, key, document FROM result
+    let sql = "SELECT result.kind, coalesce(result.name, run.path), result.id, key, document FROM result
                LEFT JOIN run ON run.id = run_id
-               WHERE result.superseded_at IS NULL AND kind IN ('fit', 'modulus', 'comparison', 'group', 'run')";
+               WHERE result.superseded_at IS NULL AND result.kind IN ('fit', 'modulus', 'comparison', 'group', 'run')";
     let mut statement = database.prepare(sql).unwrap();
     let rows = statement.query_map([], |row| {
         let document: String = row.get(4)?;

@@ -1,6 +1,7 @@
 //! Results that follow from readings: which are due, how they are made and stored under what they depend on. One for all kinds:
 //! a kind says only what it is made of and how.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::batch::{Making, TO_THE_END};
@@ -117,26 +118,60 @@ pub(crate) fn left_words(name: &str) -> String {
 /// What results depend on at one moment: the hash of it, and the row ids of the runs.
 pub(crate) type Inputs = (String, Vec<i64>);
 
-/// The inputs that hold, asked again only where others changed the database since.
-#[derive(Default)]
-pub(crate) struct Holding {
+/// The inputs that hold, asked again only where others changed the database since. They are asked twice: where readings are
+/// loaded, so that what is made is made of them, and where the result is stored.
+pub(crate) struct Holding<N> {
+    /// All inputs as they are now.
+    now: N,
     changes: Option<u64>,
     inputs: BTreeSet<Inputs>,
 }
 
-impl Holding {
-    /// Runs `then` with what tells which inputs hold, in one step of the database: nobody changes them until it ends.
+impl<N: Fn(&Context) -> Result<BTreeSet<Inputs>, PipelineError>> Holding<N> {
+    pub(crate) fn of(now: N) -> Holding<N> {
+        Holding {
+            now,
+            changes: None,
+            inputs: BTreeSet::new(),
+        }
+    }
+
+    fn look(&mut self, context: &Context) -> Result<(), PipelineError> {
+        let changes = Some(context.store.changes()?.0);
+        if self.changes != changes {
+            self.inputs = (self.now)(context)?;
+            self.changes = changes;
+        }
+        Ok(())
+    }
+
+    /// What `load` reads, where these inputs hold at the moment that it reads.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub(crate) fn loaded<T>(
+        &mut self,
+        context: &Context,
+        inputs: &Inputs,
+        load: impl FnOnce() -> Result<T, PipelineError>,
+    ) -> Result<Option<T>, PipelineError> {
+        let _moment = context.store.snapshot()?;
+        self.look(context)?;
+        let holds = self.inputs.contains(inputs);
+        holds.then(load).transpose()
+    }
+
+    /// Runs `then` with the inputs that hold, in one step of the database: nobody changes them until it ends.
     ///
     /// # Errors
     /// The database cannot be read or written.
     pub(crate) fn step<T>(
         &mut self,
         context: &mut Context,
-        now: impl FnOnce(&Context) -> Result<BTreeSet<Inputs>, PipelineError>,
         then: impl FnOnce(&mut Context, &BTreeSet<Inputs>) -> Result<T, PipelineError>,
     ) -> Result<T, PipelineError> {
         context.store.begin_batch()?;
-        let done = self.in_step(context, now, then);
+        let done = self.in_step(context, then);
         let committed = context.store.commit_batch();
         let done = done?;
         committed?;
@@ -146,13 +181,11 @@ impl Holding {
     fn in_step<T>(
         &mut self,
         context: &mut Context,
-        now: impl FnOnce(&Context) -> Result<BTreeSet<Inputs>, PipelineError>,
         then: impl FnOnce(&mut Context, &BTreeSet<Inputs>) -> Result<T, PipelineError>,
     ) -> Result<T, PipelineError> {
-        if self.changes != Some(context.store.changes()?.0) {
-            self.inputs = now(context)?;
-        }
+        self.look(context)?;
         let done = then(context, &self.inputs)?;
+        // What is stored here changes no inputs.
         self.changes = Some(context.store.changes()?.0);
         Ok(done)
     }
@@ -200,23 +233,29 @@ pub(crate) fn bring_up_to_date<D: Derived>(
     mut took: impl FnMut(&D::Subject, &str, &Made<D::Found>),
 ) -> Result<BTreeSet<String>, PipelineError> {
     let mut changed = BTreeSet::new();
-    let mut holding = Holding::default();
-    let load = |context: &Context, (_, of): &Keyed<D::Subject>| kind.load(context, of);
-    let make = |(_, of): &Keyed<D::Subject>, readings| made(kind, of, readings);
+    let inputs_of = |key: &str, of: &D::Subject| (key.to_owned(), ids(&kind.runs(of)));
+    let holding = RefCell::new(Holding::of(|context: &Context| {
+        let subjects = kind.subjects(context)?.into_iter();
+        Ok(subjects.map(|of| inputs_of(&kind.key(&of), &of)).collect())
+    }));
+    let load = |context: &Context, (key, of): &Keyed<D::Subject>| {
+        let load = || kind.load(context, of);
+        holding.borrow_mut().loaded(context, &inputs_of(key, of), load)
+    };
+    let make = |(_, of): &Keyed<D::Subject>, readings: Option<D::Readings>| {
+        readings.map(|readings| made(kind, of, readings))
+    };
     making::<D>(observer).run(context, due, load, make, |context, batch| {
-        let now = |context: &Context| {
-            let subjects = kind.subjects(context)?.into_iter();
-            Ok(subjects.map(|of| (kind.key(&of), ids(&kind.runs(&of)))).collect())
-        };
-        holding.step(context, now, |context, inputs| {
+        holding.borrow_mut().step(context, |context, inputs| {
             let (mut results, mut of_each, mut subjects) = (Vec::new(), Vec::new(), Vec::new());
-            let ids: Vec<Vec<i64>> = batch.iter().map(|((_, of), _)| ids(&kind.runs(of))).collect();
-            for (((key, of), made), ids) in batch.iter().zip(&ids) {
-                let runs = kind.runs(of);
-                if !inputs.contains(&(key.clone(), ids.clone())) {
+            let of_batch = batch.iter().map(|((key, of), _)| inputs_of(key, of));
+            let of_batch: Vec<Inputs> = of_batch.collect();
+            for (((key, of), made), own) in batch.iter().zip(&of_batch) {
+                let (runs, ids) = (kind.runs(of), &own.1);
+                let Some(made) = made.as_ref().filter(|_| inputs.contains(own)) else {
                     changed.extend(runs.iter().map(|run| run.name.to_owned()));
                     continue;
-                }
+                };
                 subjects.push(of);
                 for (run, (found, is_fault)) in runs.iter().zip(made) {
                     of_each.push((of, run.name, found));

@@ -32,8 +32,8 @@ pub(super) fn hold_against_others(
     options: &DiagnoseOptions,
     observer: &dyn Observer,
 ) -> Result<BTreeSet<String>, PipelineError> {
-    let mut saving = Saving::default();
     let due = due(context, subjects)?;
+    let mut saving = Saving::of(|context: &Context| stored_still(context, &due, tasks));
     let making = Making {
         doing: "predicting samples from others",
         at_once: BATCH,
@@ -47,12 +47,7 @@ pub(super) fn hold_against_others(
     let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);
     making.run(context, &due, load, make, |context, made| {
         let rows: Vec<Row> = made.into_iter().map(|(_, row)| row).collect();
-        saving.save(
-            context,
-            &rows,
-            |context| stored_still(context, &due, tasks),
-            |_| {},
-        )
+        saving.save(context, &rows, |_| {})
     })?;
     Ok(saving.changed)
 }

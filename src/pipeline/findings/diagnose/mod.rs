@@ -8,6 +8,7 @@ mod inputs;
 mod outdated;
 mod subject;
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::groups::{is_called, title};
@@ -196,26 +197,41 @@ impl DiagnoseRuns {
             observer,
             may_go_on,
         };
-        let load =
-            |context: &Context, (_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        let saving = RefCell::new(Saving::of(|context: &Context| {
+            inputs_now(context, &options, &library)
+        }));
+        let load = |context: &Context, (hash, members, subjects): &Due| {
+            let load = || -> Result<Vec<Vec<Channel>>, PipelineError> {
                 if subjects[0].set_apart.is_some() {
                     return Ok(Vec::new());
                 }
                 let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
                 members.iter().map(channels).collect()
             };
-        let make = |(_, members, subjects): &Due, channels: Vec<Vec<Channel>>| {
-            diagnose_one(subjects[0], members, &tasks, &channels, &options)
+            let inputs = (hash.clone(), runs_of(subjects[0], &tasks));
+            saving.borrow_mut().holding.loaded(context, &inputs, load)
+        };
+        let make = |(_, members, subjects): &Due, channels: Option<Vec<Vec<Channel>>>| {
+            channels.map(|channels| diagnose_one(subjects[0], members, &tasks, &channels, &options))
         };
         let mut made: Vec<Due> = Vec::new();
-        let mut saving = Saving::default();
-        let inputs = |context: &Context| inputs_now(context, &options, &library);
         making.run(context, &due, load, make, |context, found| {
-            let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
-                found.into_iter().map(|(due, found)| (due.clone(), found)).unzip();
-            let rows = rows(&done, found, (&tasks, &options, &library));
-            made.extend(done);
-            saving.save(context, &rows, inputs, |row| {
+            let (mut done, mut all): (Vec<Due>, Vec<GroupDiagnosis>) = (Vec::new(), Vec::new());
+            for (due, found) in found {
+                made.push(due.clone());
+                match found {
+                    Some(found) => {
+                        done.push(due.clone());
+                        all.push(found);
+                    }
+                    None => {
+                        let names = due.2.iter().map(|subject| title(&subject.name));
+                        saving.borrow_mut().changed.extend(names);
+                    }
+                }
+            }
+            let rows = rows(&done, all, (&tasks, &options, &library));
+            saving.borrow_mut().save(context, &rows, |row| {
                 let found = &row.diagnosed.found;
                 summary.diagnosed += 1;
                 summary.failed.extend(found.is_fault.then(|| row.name.clone()));
@@ -224,11 +240,12 @@ impl DiagnoseRuns {
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
         summary.left = count(&due) - count(&made);
         summary.claimed = claimed(context, &made)?;
-        if summary.left == 0 && saving.changed.is_empty() {
+        let changed = saving.into_inner().changed;
+        if summary.left == 0 && changed.is_empty() {
             let changed = from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
             return Ok((summary, changed));
         }
-        Ok((summary, saving.changed))
+        Ok((summary, changed))
     }
 
     /// The subjects that are asked for.
@@ -387,24 +404,30 @@ struct Row {
 }
 
 /// The storing of diagnoses.
-#[derive(Default)]
-struct Saving {
-    holding: Holding,
+struct Saving<N> {
+    holding: Holding<N>,
     /// Names of what changed while it was diagnosed: nothing of it is stored.
     changed: BTreeSet<String>,
 }
 
-impl Saving {
-    /// Stores diagnoses whose inputs are among those that hold `now`; `took` is told of each.
+impl<N: Fn(&Context) -> Result<BTreeSet<Inputs>, PipelineError>> Saving<N> {
+    /// Of diagnoses whose inputs are among those that hold `now`.
+    fn of(now: N) -> Saving<N> {
+        Saving {
+            holding: Holding::of(now),
+            changed: BTreeSet::new(),
+        }
+    }
+
+    /// Stores diagnoses whose inputs hold; `took` is told of each.
     fn save(
         &mut self,
         context: &mut Context,
         rows: &[Row],
-        inputs_now: impl Fn(&Context) -> Result<BTreeSet<Inputs>, PipelineError>,
         mut took: impl FnMut(&Row),
     ) -> Result<(), PipelineError> {
         let changed = &mut self.changed;
-        self.holding.step(context, inputs_now, |context, inputs| {
+        self.holding.step(context, |context, inputs| {
             let holds = |row: &&Row| inputs.contains(&(row.key.clone(), row.made_from.clone()));
             let (holding, other): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(holds);
             changed.extend(other.into_iter().map(|row| title(&row.name)));

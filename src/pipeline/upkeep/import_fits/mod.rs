@@ -99,7 +99,6 @@ impl ImportFits {
     ) -> Result<ImportSummary, PipelineError> {
         let mut summary = ImportSummary::default();
         let (mut known, mut again) = (Known::default(), Again::default());
-        let mut holding = Holding::default();
         for file in self.listed()? {
             let there = rows::read(&file)?;
             summary.files += 1;
@@ -115,7 +114,7 @@ impl ImportFits {
             let rows = of_campaign(context, rows, &mut known, &mut summary)?;
             let rows = again.held(context, rows, &mut known, &mut summary, observer)?;
             for batch in rows.chunks(BATCH) {
-                take(context, batch, &mut known, &mut holding, &mut summary)?;
+                take(context, batch, &mut known, &mut summary)?;
             }
         }
         Ok(summary)
@@ -220,7 +219,6 @@ fn take(
     context: &mut Context,
     batch: &[Row<'_>],
     known: &mut Known,
-    holding: &mut Holding,
     summary: &mut ImportSummary,
 ) -> Result<(), PipelineError> {
     let mut of_each = Vec::new();
@@ -229,10 +227,8 @@ fn take(
         let both = due.and_then(|due| Some((due.1.clone(), row.result.outcome()?)));
         of_each.extend(both.map(|(planned, found)| (row, planned, found)));
     }
-    let kept = holding.step(
-        context,
-        |context| known.inputs_now(context),
-        |context, inputs| {
+    let kept =
+        Holding::of(|context: &Context| known.inputs_now(context)).step(context, |context, inputs| {
             let holds = |(row, run): (&Row, &Planned)| {
                 inputs.contains(&(row.result.input_hash.clone(), vec![run.task.run_id]))
             };
@@ -253,8 +249,7 @@ fn take(
                 .map(|is_so| *is_so && kept.next() == Some(true))
                 .collect();
             Ok(kept)
-        },
-    )?;
+        })?;
     for (kept, (row, _, found)) in kept.into_iter().zip(&of_each) {
         match found {
             _ if !kept => {
