@@ -135,7 +135,7 @@ impl Change {
                 tags.run(context, &Silent).unwrap();
             }
             Change::TagsInAFile => {
-                fs::write(at(&format!("{of}.toml")), "leave_out = \"200 s to 250 s\"\n").unwrap();
+                fs::write(at(&format!("{of}.toml")), "leave_out = \"200-250\"\n").unwrap();
                 look(context);
             }
             Change::Replaces => {

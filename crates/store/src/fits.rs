@@ -240,7 +240,10 @@ fn fit_task(run: &RunRow, asked: &BTreeMap<String, AskedFit>) -> Option<FitTask>
         area_cm2: tagging.area_cm2?,
         length_cm: tagging.length_cm,
         electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
-        electrode_resistance_error_ohm_per_sq: error.filter(|error| error.is_finite() && *error > 0.0),
+        // It is the error of what is known, and of nothing else.
+        electrode_resistance_error_ohm_per_sq: tagging
+            .electrode_resistance_ohm_per_sq
+            .and(error.filter(|error| error.is_finite() && *error > 0.0)),
         sample: tagging.chosen.get(keys::SAMPLE).cloned(),
         data_hash: run.readings_hash(),
         last_asked: asked.get(&run.path).cloned().unwrap_or_default(),

@@ -175,10 +175,12 @@ impl RunRow {
         for offset in self.origin().offsets.iter().filter(|offset| offset.applied) {
             hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
         }
-        for key in [keys::LEAVE_OUT, keys::LEAVE_OUT_MARKED] {
-            if let Some(value) = self.tagging.chosen.get(key) {
-                hash += &format!(":{key}={value}");
-            }
+        let chosen = |key: &str| self.tagging.chosen.get(key);
+        // What is no list of stretches leaves nothing out.
+        let stretches = chosen(keys::LEAVE_OUT).filter(|text| left_out::stretches(text).is_some());
+        let marked = chosen(keys::LEAVE_OUT_MARKED);
+        for (key, value) in [(keys::LEAVE_OUT, stretches), (keys::LEAVE_OUT_MARKED, marked)] {
+            hash += &value.map_or_else(String::new, |value| format!(":{key}={value}"));
         }
         hash
     }
