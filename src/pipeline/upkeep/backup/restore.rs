@@ -41,7 +41,7 @@ pub struct Restored {
     pub made_at: String,
     /// Files that were restored, with the database.
     pub files: usize,
-    /// Current runs in the restored database; none where the database could not be restored.
+    /// Current runs, spectra and modulus logs in the restored database; none where the database could not be restored.
     pub runs: Option<usize>,
     /// What the backup does not hold, and said so when it was made.
     pub left_out: Vec<LeftOut>,
@@ -279,7 +279,7 @@ fn drill(
         let runs = folder.join(&stated.campaign.runs_folder);
         fs::create_dir_all(&runs).map_err(failed(&runs, "making the folder of runs"))?;
     }
-    Ok(store.runs()?.len())
+    Ok(store.run_names()?.len())
 }
 
 /// Brings everything to the disk before it gets its name.
