@@ -77,7 +77,7 @@ pub fn run_restore(args: &RestoreArgs, output: &Output) -> Result<u8, CliError> 
     let done = restore.run(output)?;
     output.document(&json!({ "schema": "ieap/restore/1", "restored": done }))?;
     let runs = match done.runs {
-        Some(runs) => format!("looked through, {}", counted(runs, "run")),
+        Some(runs) => format!("opened and looked through, {}", counted(runs, "run")),
         None => "without a database: `ieap run --new-database` makes one from the files".to_owned(),
     };
     output.result(&format!(

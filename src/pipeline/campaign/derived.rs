@@ -170,6 +170,8 @@ impl<N: Fn(&Context) -> Result<BTreeSet<Inputs>, PipelineError>> Holding<N> {
         context: &mut Context,
         then: impl FnOnce(&mut Context, &BTreeSet<Inputs>) -> Result<T, PipelineError>,
     ) -> Result<T, PipelineError> {
+        // What can be asked before is not asked while others wait.
+        self.look(context)?;
         context.store.begin_batch()?;
         let done = self.in_step(context, then);
         let committed = context.store.commit_batch();

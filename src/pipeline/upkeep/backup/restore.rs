@@ -14,9 +14,10 @@ use super::making::Making;
 use super::manifest::{FILE_NAME, JOURNAL, LeftOut, Manifest, StoredFile};
 use super::place::place;
 use super::words;
-use crate::ingest::archive::{Archive, Archived, hash_of_file};
+use crate::ingest::archive::{Archive, hash_of_file};
 use crate::ingest::campaign_file;
 use crate::pipeline::infra::error::BackupError;
+use crate::pipeline::upkeep::verify::archive::wanted;
 use crate::pipeline::{Observer, PipelineError, failed};
 use crate::store::{FILE_NAME as DATABASE_NAME, Store};
 use crate::system::fs;
@@ -257,12 +258,7 @@ fn drill(
     {
         return Err(fails(format!("{JOURNAL}: {detail}")));
     }
-    let contents = store.contents()?.into_iter().map(|content| Archived {
-        hash: content.hash,
-        path: content.archive_path,
-        size_bytes: content.size_bytes,
-    });
-    for missing in Archive::new(folder).missing(&contents.collect::<Vec<_>>())? {
+    for missing in Archive::new(folder).missing(&wanted(&store.contents()?))? {
         let path = missing.wanted.path;
         if manifest.left_out.iter().any(|left| left.path == path) || is_lost(&path, lost) {
             continue;
