@@ -7,9 +7,10 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use ieap::pipeline::{
-    AnalyseModulus, CompareModels, Context, DiagnoseChoice, DiagnoseRuns, FitRuns, Ingest, Observer, SetTags,
-    Silent,
+    AnalyseModulus, CompareModels, Context, DiagnoseChoice, DiagnoseRuns, FitRuns, Ingest, Observer,
+    RaiseAlarms, SetTags, Silent,
 };
+use ieap::store::ResultKind;
 use rand::SeedableRng;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
@@ -244,6 +245,16 @@ fn a_note_while_results_are_made_loses_nothing() {
     assert!(found.diagnosed > 3 && found.changing.is_empty(), "{found:?}");
     assert_eq!(tagger.heard("made anew"), 0);
     assert!(*tagger.times.lock().unwrap() > 8);
+    let alarms = |context: &mut Context| {
+        RaiseAlarms::default().run(context, &Silent).unwrap();
+        context.store.result_keys(ResultKind::Alarms).unwrap()
+    };
+    let before = alarms(&mut context);
+    assert_eq!(before.len(), 1);
+    tag(&mut context, "runs/1.csv", "note", "c");
+    assert_eq!(alarms(&mut context), before);
+    tag(&mut context, "runs/1.csv", "cycle", "7");
+    assert_ne!(alarms(&mut context), before);
 }
 
 /// Who goes on changing what a result depends on is told, the other results are stored, and the next call makes the rest.
