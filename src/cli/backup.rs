@@ -13,11 +13,12 @@ use super::global::Global;
 use super::output::Output;
 use crate::domain::Issue;
 use crate::pipeline::upkeep::backup::manifest::LeftOut;
-use crate::pipeline::upkeep::backup::{Backup, KEEP, Restore};
+use crate::pipeline::upkeep::backup::{Backup, Restore};
 
 /// Copy the campaign elsewhere, while everything runs
 ///
-/// The next time only what is new is copied.
+/// The next time only what is new is copied, and takes the place of what was there. A program that keeps versions of folders, such
+/// as restic or borg, keeps versions of this one.
 #[derive(Debug, Args)]
 pub struct BackupArgs {
     /// Folder of the backup: a new one, or that of an earlier backup of this campaign
@@ -25,12 +26,6 @@ pub struct BackupArgs {
     folder: PathBuf,
     #[command(flatten)]
     campaign: CampaignArg,
-    /// Read every file that is in the backup already, and copy damaged ones again
-    #[arg(long)]
-    deep: bool,
-    /// How many backups can be restored, this one counted; older ones go. Each costs a copy of the database
-    #[arg(long, value_name = "N", default_value_t = KEEP, value_parser = at_least_one)]
-    keep: usize,
 }
 
 /// Make a campaign of a backup, in a new folder
@@ -38,7 +33,7 @@ pub struct BackupArgs {
 /// And try it.
 #[derive(Debug, Args)]
 pub struct RestoreArgs {
-    /// Folder of the backup; or one of its lists, DIR/backup-NUMBER-TIME.json, for an earlier backup
+    /// Folder of the backup
     #[arg(value_name = "DIR")]
     backup: PathBuf,
     /// Folder of the campaign to be: one that does not exist yet
@@ -53,17 +48,9 @@ pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, C
     let context = args.campaign.open_read_only(output)?;
     let backup = Backup {
         folder: args.folder.clone(),
-        deep: args.deep,
-        keep: args.keep,
     };
     let done = backup.run(&context, output)?;
     output.document(&json!({ "schema": "ieap/backup/1", "backup": done }))?;
-    if done.mended > 0 {
-        let mended = counted(done.mended, "file");
-        output.message(&format!(
-            "{mended} of the backup had been damaged and were copied again."
-        ));
-    }
     output.result(&format!(
         "{}: backup of {} ({}, database of {} MB); {} copied now ({} MB).",
         done.folder.display(),
@@ -73,16 +60,12 @@ pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, C
         counted(done.copied, "file"),
         fixed(megabytes(done.copied_bytes), 1)
     ));
-    if !done.earlier.is_empty() {
-        let earlier = counted(done.earlier.len(), "earlier backup");
-        output.message(&format!(
-            "{earlier} can be restored, too: {}.",
-            done.earlier.join(", ")
-        ));
-    }
-    let left_out = after(&done.left_out, "file", "not in the backup as it is now", output);
-    let damaged = after(&done.damaged, "earlier backup", "damaged", output);
-    Ok(left_out.max(damaged))
+    Ok(after(
+        &done.left_out,
+        "file",
+        "not in the backup as it is now",
+        output,
+    ))
 }
 
 pub fn run_restore(args: &RestoreArgs, output: &Output) -> Result<u8, CliError> {
@@ -123,13 +106,6 @@ fn after(left_out: &[LeftOut], thing: &str, what: &str, output: &Output) -> u8 {
         output.issue(&left.path, &Issue::warning("left-out", &left.reason));
     }
     SOME_REFUSED
-}
-
-fn at_least_one(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count) if count >= 1 => Ok(count),
-        _ => Err("needed a number of backups, at least 1".to_owned()),
-    }
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -49,7 +49,7 @@ pub fn run(args: &CompareArgs, global: &Global, output: &Output) -> Result<u8, C
         output.result("no run that models could be compared on: one needs a voltage in steps and a current");
     }
     output.document(&comparison_document(&summary))?;
-    let all_taken = !ingest.left_out_inputs();
+    let all_taken = summary.changing.is_empty() && !ingest.left_out_inputs();
     Ok(exit::after(!summary.faults.is_empty(), all_taken))
 }
 
@@ -64,6 +64,7 @@ fn say(summary: &CompareSummary, output: &Output) {
         output.message(&format!("{run}: {why}"));
     }
     say_missing(summary, output);
+    super::fit::say_changing(&summary.changing, output);
     for fault in &summary.faults {
         output.error(&format!(
             "{fault}: the comparison stopped on an internal fault; report it with the runs' files"

@@ -74,7 +74,7 @@ fn diagnosed(
     let instead = stands_in(&choice, &context.campaign)?;
     let ingest = Ingest { ready: &mut |_| true }.run(context, output)?;
     ingest::left_out(&ingest, output);
-    fit_what_is_due(global, context, output)?;
+    let mut all_made = fit_what_is_due(global, context, output)?;
     instead.iter().for_each(|words| output.message(words));
     let summary = DiagnoseRuns {
         choice: choice.clone(),
@@ -94,27 +94,27 @@ fn diagnosed(
         .for_each(|group| print(group, document.draws, output));
     print_across(&document, output);
     if args.adopt {
-        adopt(args, global, context, output)?;
+        all_made &= adopt(args, global, context, output)?;
     }
     super::faults::say_faults(&document.faults, output);
     output.document(&document)?;
     Ok(exit::after(
         summary.has_fault() || !document.faults.is_empty(),
-        !ingest.left_out_inputs(),
+        all_made && summary.changing.is_empty() && !ingest.left_out_inputs(),
     ))
 }
 
-/// Fits what has no current fit, without which the study has no answer.
-fn fit_what_is_due(global: &Global, context: &mut Context, output: &Output) -> Result<(), CliError> {
+/// Fits what has no current fit, without which the study has no answer. Tells whether none was left.
+fn fit_what_is_due(global: &Global, context: &mut Context, output: &Output) -> Result<bool, CliError> {
     let choice = FitChoice {
         seed: global.seed,
         ..FitChoice::default()
     };
     let fits = FitRuns { choice, again: false }.run(context, output)?;
-    if fits.fitted + fits.failed.len() > 0 {
+    if fits.fitted + fits.failed.len() + fits.changing.len() > 0 {
         super::fit::say(&fits, output);
     }
-    Ok(())
+    Ok(fits.changing.is_empty())
 }
 
 /// Adopts what the findings name and fits it.
@@ -123,7 +123,7 @@ fn adopt(
     global: &Global,
     context: &mut Context,
     output: &Output,
-) -> Result<(), CliError> {
+) -> Result<bool, CliError> {
     let group = args.group.clone();
     let summary = Adopt { group }.run(context)?;
     for entry in &summary.adopted {
@@ -155,6 +155,7 @@ pub fn say(summary: &DiagnoseSummary, output: &Output) {
             "  {name}: the diagnosis stopped on an internal fault; report it with the runs' files"
         ));
     }
+    super::fit::say_changing(&summary.changing, output);
 }
 
 fn print(group: &GroupEntry, draws: usize, output: &Output) {

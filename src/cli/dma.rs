@@ -37,7 +37,12 @@ pub fn run(args: &DmaArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    super::fit::say_changing(&summary.changing, output);
     let (found, blocks) = dma(&context)?;
     output.show(SCHEMA, &found, &blocks)?;
-    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
+    let all_made = summary.changing.is_empty();
+    Ok(exit::after(
+        summary.has_fault(),
+        all_made && !ingest.left_out_inputs(),
+    ))
 }

@@ -16,7 +16,7 @@ use super::signals;
 use crate::domain::number::estimates::in_words;
 use crate::pipeline::documents::fits::{FitEntry, fits_document};
 use crate::pipeline::documents::groups::entry;
-use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due};
+use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files_due, left_words};
 
 /// A step of `run`: fit what is new or changed
 ///
@@ -70,7 +70,11 @@ fn fitted(
     let summary = fits.run(context, output)?;
     say(&summary, output);
     tell(args, global, context, output)?;
-    Ok(exit::after(summary.has_fault(), !ingest.left_out_inputs()))
+    let all_made = summary.changing.is_empty();
+    Ok(exit::after(
+        summary.has_fault(),
+        all_made && !ingest.left_out_inputs(),
+    ))
 }
 
 /// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
@@ -137,6 +141,12 @@ pub(super) fn say(summary: &FitSummary, output: &Output) {
         .failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    say_changing(&summary.changing, output);
+}
+
+/// What is left because what it depends on changed whenever it was made.
+pub(super) fn say_changing(names: &[String], output: &Output) {
+    names.iter().for_each(|name| output.message(&left_words(name)));
 }
 
 /// Which choices of method, steps and model hold, and where they come from.

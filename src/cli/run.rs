@@ -71,7 +71,7 @@ pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     let summary = done?;
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/run/1", "run": summary }))?;
-    let mut all_taken = !summary.ingest.left_out_inputs();
+    let mut all_taken = !summary.ingest.left_out_inputs() && !summary.left_results();
     if args.new_archive {
         let lost = raw_files_lost(&context)?;
         for file in &lost {
@@ -165,6 +165,7 @@ pub fn print_made(made: &Made, output: &Output) {
     fit.failed
         .iter()
         .for_each(|(path, issue)| output.issue(path, issue));
+    super::fit::say_changing(&fit.changing, output);
     super::fit::say_choices(fit, output);
     super::fit::say_unknown_groups(fit, output);
     for path in &fit.not_converged {
@@ -183,6 +184,7 @@ pub fn print_made(made: &Made, output: &Output) {
             .iter()
             .for_each(|(path, issue)| output.issue(path, issue));
     }
+    super::fit::say_changing(&modulus.changing, output);
     if made.alarms.standing > 0 {
         output.result(&format!(
             "alarms: {} ({} new); see `ieap status --alarms`",

@@ -56,6 +56,16 @@ impl RunSummary {
             || self.diagnose.has_fault()
             || self.modulus.has_fault()
     }
+
+    /// Whether results are left because what they depend on changed whenever they were made.
+    pub fn left_results(&self) -> bool {
+        let changing = [
+            &self.fit.changing,
+            &self.diagnose.changing,
+            &self.modulus.changing,
+        ];
+        changing.iter().any(|names| !names.is_empty())
+    }
 }
 
 /// What is made of the runs before they are diagnosed.

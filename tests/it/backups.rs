@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use ieap::pipeline::upkeep::backup::{Backup, KEEP};
+use ieap::pipeline::upkeep::backup::Backup;
 use ieap::pipeline::{Context, Silent};
 
 use crate::campaign::{CampaignFolder, command, counted, ieap, run_table};
@@ -119,9 +119,13 @@ fn the_second_backup_copies_only_what_is_new() {
     let second = back_up();
     // The run, its sidecar, and the journal, which names the run.
     assert_eq!(second["copied"], 3, "{second}");
-    // The sidecar and the journal as they were stay, for the earlier lists name them.
-    assert_eq!(files(&backup.join("archive")).len(), before.len() + 3);
-    assert_eq!(second["earlier"].as_array().unwrap().len(), 2, "{second}");
+    // The sidecar and the journal as they were are gone, and the database with them.
+    assert_eq!(files(&backup.join("archive")).len(), before.len() + 1);
+    let databases = named(&backup, "campaign.db.");
+    assert_eq!(databases.len(), 2, "the copy and the lock: {databases:?}");
+    ieap(elsewhere.path(), &["restore", "backup", "new"]).expect(0);
+    let sidecar = std::fs::read(elsewhere.path().join("new/runs/a.csv.toml")).unwrap();
+    assert_eq!(sidecar, b"cycle = 3\n");
 }
 
 /// Names in the folder of a backup that begin so.
@@ -131,43 +135,6 @@ fn named(backup: &Path, prefix: &str) -> Vec<String> {
     let mut named: Vec<String> = names.filter(|name| name.starts_with(prefix)).collect();
     named.sort();
     named
-}
-
-#[test]
-fn as_many_backups_as_asked_for_can_be_restored_and_no_more_is_kept() {
-    let folder = campaign();
-    let elsewhere = tempfile::tempdir().unwrap();
-    let backup = elsewhere.path().join("backup");
-    let mut sizes = Vec::new();
-    for turn in 1..=5 {
-        folder.write("runs/a.csv.toml", format!("cycle = {turn}\n"));
-        folder.ieap(&["ingest"]).expect(0);
-        folder.ieap(&["backup", text(&backup), "--keep", "3"]).expect(0);
-        sizes.push(files(&backup.join("archive")).len());
-    }
-    let lists = named(&backup, "backup-");
-    assert_eq!(lists.len(), 3, "{lists:?}");
-    let databases: Vec<String> = named(&backup, "campaign.db.");
-    assert_eq!(databases.iter().filter(|name| !name.ends_with("lock")).count(), 3);
-    // A sidecar more each, until the oldest goes with its list.
-    assert_eq!(
-        sizes.iter().map(|size| size - sizes[0]).collect::<Vec<_>>(),
-        [0, 1, 2, 2, 2]
-    );
-    for (turn, list) in (3..).zip(&lists) {
-        let new = format!("new-{turn}");
-        ieap(elsewhere.path(), &["restore", &format!("backup/{list}"), &new]).expect(0);
-        let sidecar = std::fs::read_to_string(elsewhere.path().join(&new).join("runs/a.csv.toml")).unwrap();
-        assert_eq!(sidecar, format!("cycle = {turn}\n"));
-    }
-    folder.ieap(&["backup", text(&backup), "--keep", "0"]).expect(2);
-    let only = folder
-        .ieap(&["backup", text(&backup), "--keep", "1", "--json"])
-        .expect(0)
-        .json();
-    assert_eq!(only["backup"]["earlier"], serde_json::json!([]));
-    assert_eq!(named(&backup, "backup-").len(), 1);
-    ieap(elsewhere.path(), &["restore", "backup", "new"]).expect(0);
 }
 
 /// Changes the list of a backup, and its checksum with it.
@@ -213,7 +180,6 @@ fn a_forged_list_writes_nothing_outside_of_the_new_folder() {
             "would not lie in the restored folder",
             path,
             "Nothing was written",
-            "backup-00001-",
         ] {
             assert!(refused.stderr.contains(word), "{word}: {refused:#?}");
         }
@@ -299,17 +265,10 @@ fn a_file_that_cannot_be_read_leaves_the_earlier_copy_and_an_interruption_nothin
     let elsewhere = tempfile::tempdir().unwrap();
     let backup = elsewhere.path().join("backup");
     folder.ieap(&["backup", text(&backup)]).expect(0);
-    for name in [
-        "campaign.toml",
-        "runs/a.csv.toml",
-        "archive/journal.jsonl",
-        "nothing",
-    ] {
+    for name in ["campaign.toml", "runs/a.csv.toml", "nothing"] {
         let context = Context::open_read_only(folder.path()).unwrap();
         let verb = Backup {
             folder: backup.clone(),
-            deep: false,
-            keep: 1,
         };
         let world = std::sync::Arc::new(Failing {
             name,
@@ -375,8 +334,6 @@ fn a_folder_that_cannot_be_listed_is_told_and_its_tag_files_stay_in_the_backup()
     let elsewhere = tempfile::tempdir().unwrap();
     let verb = Backup {
         folder: elsewhere.path().join("backup"),
-        deep: false,
-        keep: 1,
     };
     let context = Context::open_read_only(folder.path()).unwrap();
     let whole = verb.run(&context, &Silent).unwrap();
@@ -459,8 +416,6 @@ fn whatever_call_the_system_refuses_a_backup_can_be_restored() {
             });
             let verb = Backup {
                 folder: backup.clone(),
-                deep: false,
-                keep: 1,
             };
             let done = ieap::system::with_fs(world.clone(), || verb.run(&context, &Silent));
             refused += usize::from(done.is_err());
@@ -496,94 +451,102 @@ fn a_journal_that_is_damaged_cut_or_missing_takes_the_place_of_no_good_copy() {
     flipped[sound.len() / 2] ^= 1;
     let cut = lines[..lines.len() - 1].concat();
     let without_first = lines[1..].concat();
-    // What ends otherwise than the database says is put right when the campaign is opened; damage before the end is found here.
-    const PUT_RIGHT: &str = "the journal lacked what the database has, and has it now";
-    let wrong: [(Option<&[u8]>, &str); 5] = [
-        (Some(&flipped), "line"),
-        (Some(&cut), PUT_RIGHT),
-        (Some(&without_first), "missing"),
-        (Some(b""), PUT_RIGHT),
-        (None, PUT_RIGHT),
-    ];
-    for (turn, (bytes, said)) in wrong.into_iter().enumerate() {
+    let wrong: [Option<&[u8]>; 5] = [Some(&flipped), Some(&cut), Some(&without_first), Some(b""), None];
+    for (turn, bytes) in wrong.into_iter().enumerate() {
         std::fs::remove_file(&path).unwrap();
         if let Some(bytes) = bytes {
             std::fs::write(&path, bytes).unwrap();
         }
-        let is_put_right = said == PUT_RIGHT;
-        let status = if is_put_right { 0 } else { 3 };
-        let told = folder
-            .ieap(&["backup", text(&backup), "--keep", "1"])
-            .expect(status);
+        // What ends otherwise than the database says may be put right when the campaign is opened; else it is refused.
+        let told = folder.ieap(&["backup", text(&backup)]);
+        let is_put_right = std::fs::read(&path).is_ok_and(|now| now == sound);
+        let status = if is_put_right { 0 } else { 4 };
+        assert_eq!(told.status, status, "{turn}: {told:#?}");
         assert!(
-            told.stderr.contains(said) && told.stderr.contains("an earlier copy") != is_put_right,
-            "{said}: {told:#?}"
+            is_put_right || told.stderr.contains("as it was before"),
+            "{told:#?}"
         );
         let new = format!("new-{turn}");
-        ieap(elsewhere.path(), &["restore", "backup", &new]).expect(status);
+        ieap(elsewhere.path(), &["restore", "backup", &new]).expect(0);
         let copy = std::fs::read(elsewhere.path().join(&new).join("archive/journal.jsonl")).unwrap();
-        assert_eq!(copy, sound);
+        assert_eq!(copy, sound, "{turn}");
         std::fs::write(&path, &sound).unwrap();
     }
     // It goes on where the copy ends.
     folder.ieap(&["tag", "runs/b.csv", "note=later"]).expect(0);
     folder.ieap(&["backup", text(&backup)]).expect(0);
-    // Written anew from the database it is another one, and says all that it did.
+    // Written anew from the database it says all that it did.
     std::fs::remove_file(&path).unwrap();
     folder.ieap(&["ingest"]).expect(0);
     assert!(path.exists());
     folder.ieap(&["backup", text(&backup)]).expect(0);
 }
 
+/// What was said since is in the backup only: an older campaign of the same database does not take its place.
 #[test]
-fn a_list_that_is_damaged_is_told_and_another_one_can_be_restored() {
+fn an_older_campaign_takes_the_place_of_no_newer_backup() {
     let folder = campaign();
     let elsewhere = tempfile::tempdir().unwrap();
     let backup = elsewhere.path().join("backup");
     folder.ieap(&["backup", text(&backup)]).expect(0);
-    // As an earlier version of the program left it.
-    for name in named(&backup, "backup-") {
-        std::fs::remove_file(backup.join(name)).unwrap();
-    }
-    forged(&backup, |list| {
-        drop(list.as_object_mut().unwrap().remove("number"))
-    });
-    folder.write("runs/a.csv.toml", "cycle = 7\n");
+    ieap(elsewhere.path(), &["restore", "backup", "older"]).expect(0);
+    folder.ieap(&["tag", "runs/b.csv", "note=later"]).expect(0);
     folder.ieap(&["backup", text(&backup)]).expect(0);
-    let lists = named(&backup, "backup-");
-    assert_eq!(lists.len(), 2, "{lists:?}");
-    assert!(lists[0].starts_with("backup-00000-"), "{lists:?}");
-    for name in ["backup.json", lists[1].as_str()] {
-        let mut bytes = std::fs::read(backup.join(name)).unwrap();
-        let middle = bytes.len() / 2;
-        bytes[middle] ^= 1;
-        std::fs::write(backup.join(name), bytes).unwrap();
-    }
-    let refused = ieap(elsewhere.path(), &["restore", "backup", "new"]).expect(4);
-    assert!(
-        refused
-            .stderr
-            .contains(&format!("ieap restore backup/{}", lists[0])),
-        "{refused:#?}"
-    );
-    ieap(
-        elsewhere.path(),
-        &["restore", &format!("backup/{}", lists[0]), "old"],
-    )
-    .expect(0);
-    assert_eq!(
-        std::fs::read(elsewhere.path().join("old/runs/a.csv.toml")).unwrap(),
-        b"cycle = 2\n"
-    );
-    let told = folder.ieap(&["backup", text(&backup), "--keep", "1"]).expect(3);
-    assert!(told.stderr.contains(&lists[1]), "{told:#?}");
-    // Nobody knows what the damaged one names: its bytes stay, and the database with them.
-    assert!(named(&backup, "backup-").contains(&lists[1]));
-    ieap(elsewhere.path(), &["restore", "backup", "new"]).expect(0);
+    let before = files(&backup.join("archive"));
+    let older = elsewhere.path().join("older");
+    let refused = ieap(&older, &["backup", text(&backup)]).expect(4);
+    assert!(refused.stderr.contains("older"), "{refused:#?}");
+    assert_eq!(files(&backup.join("archive")), before);
+    ieap(elsewhere.path(), &["restore", "backup", "newer"]).expect(0);
+}
+
+/// Whatever campaign.toml says, what is there is backed up and comes back.
+#[test]
+fn a_backup_comes_back_whatever_campaign_toml_says() {
+    let folder = campaign();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let backup = elsewhere.path().join("backup");
+    folder.ieap(&["backup", text(&backup)]).expect(0);
+    let list = backup.join("backup.json");
+    let toml = std::fs::read(folder.join("campaign.toml")).unwrap();
+    let hash = blake3::hash(&toml).to_hex().to_string();
+    let blob = files(&backup)
+        .into_keys()
+        .find(|path| path.to_string_lossy().contains(&hash[2..12]))
+        .unwrap();
+    // A campaign.toml that is wrong was backed up as it was.
+    let wrong = b"[campaign]\nid = \"test\"\ntitel = \"A typo\"\n";
+    let wrong_hash = blake3::hash(wrong).to_hex().to_string();
+    let of_wrong = blob
+        .parent()
+        .and_then(Path::parent)
+        .unwrap()
+        .join(&wrong_hash[..2])
+        .join(format!("{wrong_hash}.toml"));
+    std::fs::create_dir_all(of_wrong.parent().unwrap()).unwrap();
+    std::fs::write(of_wrong, wrong).unwrap();
+    assert!(list.exists());
+    forged(&backup, |list| {
+        let files = list["files"].as_array_mut().unwrap();
+        let own = files
+            .iter_mut()
+            .find(|file| file["path"] == "campaign.toml")
+            .unwrap();
+        own["blake3"] = wrong_hash.clone().into();
+        own["size_bytes"] = wrong.len().into();
+    });
+    let done = ieap(elsewhere.path(), &["restore", "backup", "new", "--json"])
+        .expect(0)
+        .json();
+    assert_eq!(done["restored"]["runs"], 3, "{done}");
+    let there = elsewhere.path().join("new");
+    assert_eq!(std::fs::read(there.join("campaign.toml")).unwrap(), wrong);
+    std::fs::write(there.join("campaign.toml"), toml).unwrap();
+    assert_eq!(answers(&there), answers(folder.path()));
 }
 
 #[test]
-fn a_damaged_backup_is_refused_and_mended_by_a_deep_one() {
+fn a_damaged_backup_is_refused_and_mended_by_the_next_one() {
     let folder = campaign();
     let elsewhere = tempfile::tempdir().unwrap();
     let backup = elsewhere.path().join("backup");
@@ -591,8 +554,7 @@ fn a_damaged_backup_is_refused_and_mended_by_a_deep_one() {
     let sound = files(&backup);
     let is_checked = |path: &&PathBuf| {
         let name = path.file_name().unwrap().to_str().unwrap();
-        // A numbered list is looked at where it is named.
-        !["campaign.db.lock", "database-id"].contains(&name) && !name.starts_with("backup-")
+        !["campaign.db.lock", "database-id"].contains(&name)
     };
     for path in sound.keys().filter(is_checked) {
         let mut flipped = sound[path].clone();
@@ -634,10 +596,8 @@ fn a_damaged_backup_is_refused_and_mended_by_a_deep_one() {
     // Each lies in runs/ and in the archive.
     assert!(kept["restored"]["lost"].as_array().unwrap().len() >= 2, "{kept}");
     assert!(elsewhere.path().join("part/campaign.db").exists());
-    let mended = folder
-        .ieap(&["backup", text(&backup), "--deep", "--json"])
-        .expect(0)
-        .json();
+    std::fs::remove_file(one).unwrap();
+    let mended = folder.ieap(&["backup", text(&backup), "--json"]).expect(0).json();
     assert_eq!(mended["backup"]["copied"], 2, "{mended}");
     ieap(elsewhere.path(), &["restore", "backup", "new"]).expect(0);
 }
@@ -726,8 +686,6 @@ fn backups_under_load_hold_a_moment_each() {
         let context = Context::open_read_only(folder.path()).unwrap();
         let verb = Backup {
             folder: backup.clone(),
-            deep: false,
-            keep: KEEP,
         };
         verb.run(&context, &Silent).unwrap();
         drop(context);

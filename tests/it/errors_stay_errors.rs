@@ -15,7 +15,7 @@ const ROOMS: [&str; 6] = [
 ];
 
 /// What asks the disk or the database.
-const ASKS: [&str; 11] = [
+const ASKS: [&str; 10] = [
     "fs::",
     "File::open",
     "read_dir(",
@@ -26,7 +26,6 @@ const ASKS: [&str; 11] = [
     "prepare(",
     "prepare_cached(",
     "row.get(",
-    "Lists::of(",
 ];
 
 /// What makes an empty value of an error.
@@ -55,17 +54,12 @@ const ALLOWED: &[(&str, usize, &str)] = &[
         "then each file is waited for by itself",
     ),
     (
-        "src/pipeline/upkeep/backup/lists.rs",
-        1,
-        "names other lists in a message that refuses one",
-    ),
-    (
         "src/pipeline/upkeep/backup/making.rs",
         1,
         "what a killed program left is removed the next time",
     ),
     (
-        "src/pipeline/upkeep/backup/shelf.rs",
+        "src/pipeline/upkeep/backup/blobs.rs",
         1,
         "asks each folder above one that is still to be made",
     ),

@@ -50,6 +50,7 @@ mod holdings;
 mod impedance;
 mod imports;
 mod init_from;
+mod inputs;
 mod issue_codes;
 mod kept_pages;
 mod kill_loop;

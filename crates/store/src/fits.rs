@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::journal::{Entry, Line, read_line};
 use super::new_run::RunRow;
-use super::results::{self, NewResult, ResultDocument, ResultKind, RunThen, StoredResult, Subject};
+use super::results::{self, NewResult, ResultDocument, ResultKind, StoredResult, Subject};
 use super::rows::{JOURNAL_LINE, RUN, check};
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::tag::keys;
@@ -21,9 +21,6 @@ pub struct FitTask {
     pub path: String,
     /// Which revision of it.
     pub revision: u32,
-    /// Hash of all that was known of the run when this was read, its name left out: by it a result is held against the run
-    /// where it is stored.
-    pub state: String,
     /// The drive.
     pub drive: Drive,
     /// Active area, cm2.
@@ -40,17 +37,6 @@ pub struct FitTask {
     pub data_hash: String,
     /// How the last fit of any revision of the run was asked for.
     pub last_asked: AskedFit,
-}
-
-impl FitTask {
-    /// The run as it was when this was read.
-    pub fn then(&self) -> RunThen<'_> {
-        RunThen {
-            run_id: self.run_id,
-            name: &self.path,
-            state: &self.state,
-        }
-    }
 }
 
 /// How a fit was asked for by hand: the run's row id, and what was asked for.
@@ -146,12 +132,12 @@ impl Store {
         Ok(found.first().map_or_else(String::new, hex))
     }
 
-    /// What tells whether anything changed of any current run or its fit.
+    /// What tells whether any current fit changed.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn state_of_all_fits(&self) -> Result<String, StoreError> {
-        self.state_of_lists(&["run actuation", "result fit"])
+        self.state_of_lists(&["result fit"])
     }
 
     /// Every current fit, by run.
@@ -249,30 +235,22 @@ impl CurveSource for Store {
 
 /// What is to be fitted of a run, where its drive and area are known.
 fn fit_task(run: &RunRow, last_asked: AskedFit) -> Option<FitTask> {
-    let mut data_hash = run.data_hash.clone();
-    for offset in run.origin().offsets.iter().filter(|offset| offset.applied) {
-        data_hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
-    }
     let tagging = &run.tagging;
-    for key in [keys::LEAVE_OUT, keys::LEAVE_OUT_MARKED] {
-        if let Some(value) = tagging.chosen.get(key) {
-            data_hash += &format!(":{key}={value}");
-        }
-    }
     let error = tagging.chosen.get(keys::ELECTRODE_RESISTANCE_ERROR);
     let error: Option<f64> = error.and_then(|error| error.parse().ok());
-    let state = run.state_hash();
     Some(FitTask {
         run_id: run.id,
-        state,
         revision: run.revision,
         drive: tagging.drive.clone()?,
         area_cm2: tagging.area_cm2?,
         length_cm: tagging.length_cm,
         electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
-        electrode_resistance_error_ohm_per_sq: error.filter(|error| error.is_finite() && *error > 0.0),
+        // It is the error of what is known, and of nothing else.
+        electrode_resistance_error_ohm_per_sq: tagging
+            .electrode_resistance_ohm_per_sq
+            .and(error.filter(|error| error.is_finite() && *error > 0.0)),
         sample: tagging.chosen.get(keys::SAMPLE).cloned(),
-        data_hash,
+        data_hash: run.readings_hash(),
         last_asked,
         path: run.path.clone(),
     })

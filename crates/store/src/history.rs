@@ -94,7 +94,7 @@ impl Earlier {
 mod tests {
     use super::*;
     use crate::testing::new_run;
-    use crate::{NewResult, RunThen, Subject};
+    use crate::{NewResult, Subject};
     use ieap_domain::{RunKind, testing};
 
     /// Hours of one day, RFC 3339 UTC.
@@ -103,8 +103,8 @@ mod tests {
     }
 
     /// The run that there is, by row id.
-    fn only_run(store: &Store) -> (i64, String) {
-        store.states_of_runs().unwrap().pop_first().unwrap()
+    fn only_run(store: &Store) -> i64 {
+        *store.readings_hashes().unwrap().first_key_value().unwrap().0
     }
 
     fn save_fit(store: &mut Store, hour: u32, evaluations: u64) {
@@ -112,11 +112,10 @@ mod tests {
             evaluations,
             ..testing::fit(&[])
         };
-        let (run_id, state) = only_run(store);
-        let (name, state) = ("runs/a.csv", state.as_str());
+        let run_id = only_run(store);
         let result = NewResult {
             of: Subject::Run(run_id),
-            made_from: &[RunThen { run_id, name, state }],
+            made_from: &[run_id],
             key: &evaluations.to_string(),
             version: &format!("version {evaluations}"),
             found: Ok(&fit),
@@ -191,7 +190,7 @@ mod tests {
                 issues: Vec::new(),
                 curves: Vec::new(),
             };
-            let (run_id, _) = only_run(&store);
+            let run_id = only_run(&store);
             let result = NewResult {
                 of: Subject::Run(run_id),
                 made_from: &[],

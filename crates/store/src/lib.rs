@@ -70,7 +70,7 @@ pub use new_run::{Continues, NewRun, RunContent, Tagging};
 pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
 pub use read_files::ReadFile;
-pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, RunThen, StoredResult, Subject};
+pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult, Subject};
 pub use runs::TagSources;
 pub use snapshot::Snapshot;
 pub use store::Store;

@@ -10,8 +10,8 @@ use super::columns::{json_in, key_in, to_json};
 use super::rows::{CONTENT, RUN, check};
 use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
-    Channel, ChannelSummary, ClimateCurve, Drive, InputHash, Issue, RunClimate, RunFile, RunKind, RunOrigin,
-    RunState, RunStatus, Tag,
+    Channel, ChannelSummary, ClimateCurve, Drive, Issue, RunClimate, RunFile, RunKind, RunOrigin, RunState,
+    RunStatus, Tag,
 };
 
 /// Raw bytes that are archived.
@@ -223,30 +223,6 @@ impl RunRow {
         let Some(row) = rows.next()? else { return Ok(None) };
         check(RUN, row)?;
         RunRow::read(row).map(Some)
-    }
-
-    /// Hash of all that results are made from and that may change of a revision; its name is not in it.
-    pub fn state_hash(&self) -> String {
-        let tagging = &self.tagging;
-        let mut hash = InputHash::new();
-        hash.text(&self.data_hash).text(self.state.key());
-        hash.count(tagging.chosen.len());
-        for (key, value) in &tagging.chosen {
-            hash.text(key).text(value);
-        }
-        hash.flag(tagging.drive.is_some());
-        if let Some(drive) = &tagging.drive {
-            hash.drive(drive);
-        }
-        for number in [
-            tagging.area_cm2,
-            tagging.length_cm,
-            tagging.electrode_resistance_ohm_per_sq,
-            tagging.clock_offset_s,
-        ] {
-            hash.number_or_none(number);
-        }
-        hash.finished()
     }
 }
 

@@ -168,6 +168,23 @@ impl Store {
 }
 
 impl RunRow {
+    /// What [`Store::channels`] gives follows from this and the active area alone: the hash of the readings, with the clock
+    /// offsets that are applied and the tags that leave readings out.
+    pub(super) fn readings_hash(&self) -> String {
+        let mut hash = self.data_hash.clone();
+        for offset in self.origin().offsets.iter().filter(|offset| offset.applied) {
+            hash += &format!(":{}={:?}", offset.clock, offset.offset_s);
+        }
+        let chosen = |key: &str| self.tagging.chosen.get(key);
+        // What is no list of stretches leaves nothing out.
+        let stretches = chosen(keys::LEAVE_OUT).filter(|text| left_out::stretches(text).is_some());
+        let marked = chosen(keys::LEAVE_OUT_MARKED);
+        for (key, value) in [(keys::LEAVE_OUT, stretches), (keys::LEAVE_OUT_MARKED, marked)] {
+            hash += &value.map_or_else(String::new, |value| format!(":{key}={value}"));
+        }
+        hash
+    }
+
     /// Clocks, offsets, flags and profiles, with the offset that a tag states for every clock but the reference.
     pub(super) fn origin(&self) -> RunOrigin {
         let mut origin = self.reading.origin.clone();

@@ -2,7 +2,6 @@
 //! read. What stood earlier stays.
 
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 use rusqlite::{Row, ToSql, params};
@@ -46,11 +45,6 @@ impl ResultKind {
     /// Whether each is of one run or log.
     pub fn is_of_run(self) -> bool {
         !matches!(self, ResultKind::Group | ResultKind::Alarms | ResultKind::Climate)
-    }
-
-    /// Whether it speaks of runs by their names: under other names it is another one.
-    fn says_names(self) -> bool {
-        matches!(self, ResultKind::Comparison | ResultKind::Group | ResultKind::Run)
     }
 
     /// SQL that finds results by the name of what they are of.
@@ -101,25 +95,14 @@ pub enum Subject<'a> {
     Named(&'a str),
 }
 
-/// A run, or a log, as it was when something was made of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct RunThen<'a> {
-    /// Row id.
-    pub run_id: i64,
-    /// Its name then.
-    pub name: &'a str,
-    /// Hash of all that was known of it but its name ([`FitTask::state`](super::FitTask::state)).
-    pub state: &'a str,
-}
-
 /// A result on its way into the database.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewResult<'a, T> {
     /// What it is of.
     pub of: Subject<'a>,
-    /// The runs that it was made from: where one of them is no longer what it was then, the result is not stored.
-    pub made_from: &'a [RunThen<'a>],
-    /// Hash of everything that it depends on; empty where it is to be made again whenever it is asked for.
+    /// Row ids of the runs that it was made from: where one of them is no current one any more, the result is not stored.
+    pub made_from: &'a [i64],
+    /// Hash of everything that it depends on, and of nothing else; empty where it is to be made again whenever it is asked for.
     pub key: &'a str,
     /// Version of the program.
     pub version: &'a str,
@@ -180,7 +163,7 @@ enum Document<T> {
 const DRAWN_HASH: &str = "drawn_hash";
 impl Store {
     /// Stores results of a kind, each as the current one of what it is of, where the runs that it was made from still are
-    /// what they were; tells of each whether it is stored.
+    /// current; tells of each whether it is stored.
     ///
     /// # Errors
     /// See [`StoreError`].
@@ -356,7 +339,7 @@ fn list_of(kind: ResultKind) -> String {
 }
 
 /// Stores results of a kind, each as the current one of what it is of; tells of each whether it is stored: what was made from a
-/// run that is another one by now is not.
+/// revision that is no current one is not.
 pub(super) fn keep<T: ResultDocument>(
     transaction: &Transaction<'_>,
     now: &str,
@@ -367,8 +350,8 @@ pub(super) fn keep<T: ResultDocument>(
     let mut kept = Vec::with_capacity(results.len());
     for result in results {
         let mut is_so = true;
-        for then in result.made_from {
-            is_so &= is_as_then(transaction, kind, &mut known, then)?;
+        for &run_id in result.made_from {
+            is_so &= is_current(transaction, &mut known, run_id)?;
         }
         if is_so {
             insert(transaction, now, kind, result)?;
@@ -378,23 +361,18 @@ pub(super) fn keep<T: ResultDocument>(
     Ok(kept)
 }
 
-/// Whether a run is current and what it was then; `known` are name and state of those that were looked at.
-fn is_as_then(
+/// Whether a revision is a current one; `known` are those that were looked at.
+fn is_current(
     transaction: &Transaction<'_>,
-    kind: ResultKind,
-    known: &mut BTreeMap<i64, Option<(String, String)>>,
-    then: &RunThen<'_>,
+    known: &mut BTreeMap<i64, bool>,
+    run_id: i64,
 ) -> Result<bool, StepError> {
-    let now = match known.entry(then.run_id) {
-        Entry::Occupied(known) => known.into_mut(),
-        Entry::Vacant(place) => {
-            let run = RunRow::current(transaction, then.run_id)?;
-            place.insert(run.map(|run| (run.state_hash(), run.path)))
-        }
-    };
-    let is_so =
-        |(state, name): &(String, String)| state == then.state && (name == then.name || !kind.says_names());
-    Ok(now.as_ref().is_some_and(is_so))
+    if let Some(is_so) = known.get(&run_id) {
+        return Ok(*is_so);
+    }
+    let is_so = RunRow::current(transaction, run_id)?.is_some();
+    known.insert(run_id, is_so);
+    Ok(is_so)
 }
 
 fn insert<T: ResultDocument>(

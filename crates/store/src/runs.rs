@@ -113,15 +113,15 @@ impl Store {
         Ok(rows)
     }
 
-    /// What every current run is, by row id, as results made of it are held against it ([`FitTask::state`]).
+    /// Hash of the readings of every current run as results are made of them ([`FitTask::data_hash`]), by row id.
     ///
     /// # Errors
     /// See [`StoreError`].
     ///
-    /// [`FitTask::state`]: super::FitTask::state
-    pub fn states_of_runs(&self) -> Result<BTreeMap<i64, String>, StoreError> {
+    /// [`FitTask::data_hash`]: super::FitTask::data_hash
+    pub fn readings_hashes(&self) -> Result<BTreeMap<i64, String>, StoreError> {
         let rows = self.all_current_rows()?.into_iter();
-        Ok(rows.map(|run| (run.id, run.state_hash())).collect())
+        Ok(rows.map(|run| (run.id, run.readings_hash())).collect())
     }
 
     /// The current run of a name.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::new_run::RunRow;
-use super::results::{self, NewResult, ResultDocument, ResultKind, RunThen, Subject};
+use super::results::{self, NewResult, ResultDocument, ResultKind, Subject};
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::{RunKind, SameReadings};
 
@@ -198,15 +198,9 @@ fn keep_of_runs<T: ResultDocument>(
     found: &[(&RunRow, String, T)],
 ) -> Result<(), StepError> {
     for (run, key, found) in found {
-        let state = run.state_hash();
-        let then = RunThen {
-            run_id: run.id,
-            name: &run.path,
-            state: &state,
-        };
         let result = NewResult {
             of: Subject::Run(run.id),
-            made_from: &[then],
+            made_from: &[run.id],
             key,
             version: "",
             found: Ok(found),

@@ -12,6 +12,7 @@ use super::diagnose::condemned_ahead;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
 use crate::analysis::monitoring::{Evidence, Monitoring, monitor};
+use crate::domain::tag::keys;
 use crate::domain::{Alarm, AlarmSign, Campaign, InputHash, RunRecord};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
@@ -87,8 +88,9 @@ impl From<Monitoring> for Alarms {
     }
 }
 
-/// Version of how alarms are found: 2 brings seasons by what the runs of a strip tell, and holds what findings say of fits.
-const VERSION: &str = "alarms/2";
+/// Version of how alarms are found: 2 brings seasons by what the runs of a strip tell, and holds what findings say of fits; 3 hangs
+/// on the tags that are read alone.
+const VERSION: &str = "alarms/3";
 /// Name of the one result of this kind.
 const OF: &str = "the campaign";
 
@@ -109,15 +111,25 @@ fn alarms_in_doubt(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Re
     }
 }
 
-/// Hash of everything that alarms of these runs depend on. What is stored of runs and fits carries hashes already.
+/// Hash of everything that alarms of these runs depend on: their fits, which carry hashes already, what findings say against
+/// these, the facts of each run, and those of its tags that choose the reference condition or say when it was made.
 fn key(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<String, PipelineError> {
+    let campaign = &context.campaign;
     let mut hash = InputHash::new();
     hash.text(VERSION)
         .text(CODE_VERSION)
         .text(&context.campaign_digest);
     hash.text(&context.store.state_of_all_fits()?);
+    let reference = campaign.monitoring.reference.iter().map(|(key, _)| key.as_str());
+    let read: Vec<&str> = reference.chain([keys::STARTED_AT]).collect();
     for run in runs {
         hash.text(&run.path).text(&format!("{:?}", doubts.of(&run.path)));
+        for key in &read {
+            hash.text_or_none(run.tag(key));
+        }
+    }
+    for fact in facts(runs, campaign) {
+        hash.text(&format!("{fact:?}"));
     }
     Ok(hash.finished())
 }

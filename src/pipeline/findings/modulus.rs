@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use crate::analysis::dma;
 use crate::domain::tag::keys;
-use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState};
+use crate::domain::{Channel, InputHash, Issue, ModulusAnalysis, RunRecord, RunState, Tag};
 use crate::ingest::named_columns::named_columns;
-use crate::pipeline::campaign::derived::{Anew, Derived, Made, bring_up_to_date, sorted};
+use crate::pipeline::campaign::derived::{Derived, Made, MadeOf, bring_up_to_date, in_rounds, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{ResultKind, RunThen};
+use crate::store::ResultKind;
 
 /// The verb `dma`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,6 +26,8 @@ pub struct ModulusSummary {
     pub up_to_date: usize,
     /// Logs that could not be analysed, now or before, with the reason.
     pub failed: Vec<(String, Issue)>,
+    /// Logs that are left for the next call: what their analyses depend on changed each time that they were made.
+    pub changing: Vec<String>,
 }
 
 impl ModulusSummary {
@@ -48,44 +50,38 @@ impl AnalyseModulus {
         context: &mut Context,
         observer: &dyn Observer,
     ) -> Result<ModulusSummary, PipelineError> {
-        let mut summary = ModulusSummary::default();
         let mut analysed = BTreeSet::new();
-        let mut again = self.again;
-        loop {
-            let logs = logs(context)?;
-            let count = logs.len();
-            let due = sorted(&Modulus, context, logs, again)?.due;
-            let anew = bring_up_to_date(&Modulus, context, &due, observer, |_, log, made| {
+        let mut count = 0;
+        let changing = in_rounds(Modulus::DOING, observer, |is_first| {
+            let logs = Modulus.subjects(context)?;
+            count = logs.len();
+            let due = sorted(&Modulus, context, logs, self.again && is_first)?.due;
+            bring_up_to_date(&Modulus, context, &due, observer, |_, log, made| {
                 if made.is_ok() {
                     analysed.insert(log.to_owned());
                 }
                 observer.say(&format!("analysed {log}"));
-            })?;
-            if anew == Anew::No {
-                summary.failed = failed(context)?;
-                summary.analysed = analysed.len();
-                summary.up_to_date = count.saturating_sub(summary.analysed + summary.failed.len());
-                return Ok(summary);
-            }
-            again = false;
-        }
+            })
+        })?;
+        let failed = failed(context)?;
+        let not_up_to_date = analysed.len() + failed.len() + changing.len();
+        Ok(ModulusSummary {
+            analysed: analysed.len(),
+            up_to_date: count.saturating_sub(not_up_to_date),
+            failed,
+            changing,
+        })
     }
 }
 
-/// A modulus log, and what it is ([`FitTask::state`](crate::store::FitTask::state)).
-type Log = (RunRecord, String);
-
-/// Logs that can be analysed.
-fn logs(context: &Context) -> Result<Vec<Log>, PipelineError> {
-    let _moment = context.store.snapshot()?;
-    let mut states = context.store.states_of_runs()?;
-    let logs = context.store.dma_logs()?.into_iter();
-    let ready = logs.filter(|log| log.state == RunState::Ready);
-    let with_state = |log: RunRecord| {
-        let state = states.remove(&log.id)?;
-        Some((log, state))
-    };
-    Ok(ready.filter_map(with_state).collect())
+/// A modulus log as it is analysed.
+struct Log {
+    run_id: i64,
+    path: String,
+    /// Hash of the readings as they are used.
+    readings: String,
+    /// The tags that say what its columns measure.
+    columns: Vec<Tag>,
 }
 
 /// Analyses of modulus logs.
@@ -99,27 +95,43 @@ impl Derived for Modulus {
     const DOING: &'static str = "analysing modulus logs";
     const AT_ONCE: usize = 8;
 
-    fn runs<'s>(&self, (log, state): &'s Log) -> Vec<RunThen<'s>> {
-        let (run_id, name) = (log.id, &log.path);
-        vec![RunThen { run_id, name, state }]
+    /// Logs that can be analysed.
+    fn subjects(&self, context: &Context) -> Result<Vec<Log>, PipelineError> {
+        let _moment = context.store.snapshot()?;
+        let mut readings = context.store.readings_hashes()?;
+        let logs = context.store.dma_logs()?.into_iter();
+        let ready = logs.filter(|log| log.state == RunState::Ready);
+        let read = |log: RunRecord| {
+            Some(Log {
+                run_id: log.id,
+                readings: readings.remove(&log.id)?,
+                columns: column_tags(&log),
+                path: log.path,
+            })
+        };
+        Ok(ready.filter_map(read).collect())
     }
 
-    fn key(&self, (log, _): &Log) -> String {
+    fn runs<'s>(&self, log: &'s Log) -> Vec<MadeOf<'s>> {
+        let (run_id, name) = (log.run_id, log.path.as_str());
+        vec![MadeOf { run_id, name }]
+    }
+
+    fn key(&self, log: &Log) -> String {
         let mut hash = InputHash::new();
-        hash.whole(dma::VERSION.into()).text(&log.data_hash);
-        let counts = |key: &str| key.ends_with(keys::COLUMN) || key == keys::LEAVE_OUT;
-        for tag in log.tags.iter().filter(|tag| counts(&tag.key)) {
+        hash.whole(dma::VERSION.into()).text(&log.readings);
+        for tag in &log.columns {
             hash.text(&tag.key).text(&tag.value);
         }
         hash.finished()
     }
 
-    fn load(&self, context: &Context, (log, _): &Log) -> Result<Vec<Channel>, PipelineError> {
-        Ok(context.store.channels(log.id)?)
+    fn load(&self, context: &Context, log: &Log) -> Result<Vec<Channel>, PipelineError> {
+        Ok(context.store.channels(log.run_id)?)
     }
 
-    fn make(&self, (log, _): &Log, channels: Vec<Channel>) -> Vec<Made<ModulusAnalysis>> {
-        let (channels, _) = named_columns(&channels, &chosen_tags(log));
+    fn make(&self, log: &Log, channels: Vec<Channel>) -> Vec<Made<ModulusAnalysis>> {
+        let (channels, _) = named_columns(&channels, &log.columns);
         vec![dma::analyse(&channels)]
     }
 
@@ -129,11 +141,11 @@ impl Derived for Modulus {
     }
 }
 
-/// The chosen tag of each key: the first of it.
-fn chosen_tags(log: &RunRecord) -> Vec<crate::domain::Tag> {
-    let mut seen = std::collections::BTreeSet::new();
-    let tags = log.tags.iter();
-    tags.filter(|tag| seen.insert(tag.key.clone())).cloned().collect()
+/// The chosen tag of each key that says what a column measures: the first of it.
+fn column_tags(log: &RunRecord) -> Vec<Tag> {
+    let mut seen = BTreeSet::new();
+    let tags = log.tags.iter().filter(|tag| tag.key.ends_with(keys::COLUMN));
+    tags.filter(|tag| seen.insert(&tag.key)).cloned().collect()
 }
 
 /// Ready logs without an analysis, with the reason.

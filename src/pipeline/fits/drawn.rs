@@ -5,9 +5,9 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use super::plan::{Planned, fit_plan};
-use super::runs::{Single, fit_one};
+use super::runs::fit_one;
 use crate::domain::{AskedFit, RunRecord};
-use crate::pipeline::campaign::derived::{Derived, Keyed};
+use crate::pipeline::campaign::derived::Keyed;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{FitCurves, ResultKind};
 
@@ -36,7 +36,7 @@ impl<'a> DrawnFits<'a> {
         let Some((_, run)) = self.planned()?.get(&run.path) else {
             return Ok(stored);
         };
-        let channels = Single.load(self.context, run)?;
+        let channels = self.context.store.channels(run.task.run_id)?;
         let made = fit_one(&run.task, &channels, &run.chosen.options, &run.known());
         let fit = made.map_err(|issue| PipelineError::Fault {
             step: format!("{}: curves of a fit that was made elsewhere", issue.place),

@@ -2,16 +2,16 @@
 
 use super::input_hash::{library_hash, take_task};
 use super::outcome::{Outcome, fit_fault, known_not_used, store};
-use super::plan::{ExtendedGroup, Planned};
+use super::plan::{ExtendedGroup, Planned, fit_plan};
 use crate::diagnose::{RunInput, fit_extended, model_version};
 use crate::domain::diagnosis::follows_a_tag;
-use crate::domain::{Channel, Fit, InputHash, Issue};
+use crate::domain::{AskedFit, Channel, Fit, InputHash, Issue};
 use crate::fit::{FitInput, MOVING_VERSION};
 use crate::ingest::derived;
-use crate::pipeline::campaign::derived::Derived;
+use crate::pipeline::campaign::derived::{Derived, MadeOf};
 use crate::pipeline::campaign::group_tags::take_tags;
 use crate::pipeline::{Context, PipelineError};
-use crate::store::{NewResult, ResultKind, RunThen};
+use crate::store::{NewResult, ResultKind};
 
 /// Groups fitted between two commits.
 const BATCH: usize = 8;
@@ -20,12 +20,15 @@ const BATCH: usize = 8;
 pub(crate) struct Groups {
     /// Hash of the library of effects.
     library: String,
+    /// How fits are asked for.
+    asked: AskedFit,
 }
 
 impl Groups {
-    pub(crate) fn new() -> Groups {
+    pub(crate) fn new(asked: AskedFit) -> Groups {
         Groups {
             library: library_hash(),
+            asked,
         }
     }
 }
@@ -38,8 +41,12 @@ impl Derived for Groups {
     const DOING: &'static str = "fitting extended models";
     const AT_ONCE: usize = BATCH;
 
-    fn runs<'s>(&self, group: &'s ExtendedGroup) -> Vec<RunThen<'s>> {
-        group.runs.iter().map(|run| run.task.then()).collect()
+    fn subjects(&self, context: &Context) -> Result<Vec<ExtendedGroup>, PipelineError> {
+        Ok(fit_plan(context, &self.asked)?.extended)
+    }
+
+    fn runs<'s>(&self, group: &'s ExtendedGroup) -> Vec<MadeOf<'s>> {
+        group.runs.iter().map(|run| MadeOf::from(&run.task)).collect()
     }
 
     fn key(&self, group: &ExtendedGroup) -> String {

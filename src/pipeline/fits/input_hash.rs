@@ -25,27 +25,58 @@ pub(crate) fn library_hash() -> String {
     hash.finished()
 }
 
-/// Adds what a run of a group is known by: name, readings, drive, dimensions.
+/// Adds what a run of a group is known by: name, readings, drive, dimensions. Which of them a group takes is asked elsewhere,
+/// and what is known of its sample's parameters.
 pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
-    hash.text(&task.path)
-        .text(&task.data_hash)
-        .drive(&task.drive)
-        .number(task.area_cm2)
-        .number_or_none(task.length_cm)
-        .number_or_none(task.electrode_resistance_ohm_per_sq);
+    let FitTask {
+        run_id: _,
+        path,
+        revision: _,
+        drive,
+        area_cm2,
+        length_cm,
+        electrode_resistance_ohm_per_sq,
+        electrode_resistance_error_ohm_per_sq,
+        sample: _,
+        data_hash,
+        last_asked: _,
+    } = task;
+    hash.text(path)
+        .text(data_hash)
+        .drive(drive)
+        .number(*area_cm2)
+        .number_or_none(*length_cm)
+        .number_or_none(*electrode_resistance_ohm_per_sq);
+    // Where none is known the form is that of results before it could be.
+    if let Some(error) = electrode_resistance_error_ohm_per_sq {
+        hash.number(*error);
+    }
 }
 
 /// Hash of everything that a fit depends on.
 pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownParameter]) -> String {
+    // The name is in no fit; the sample chose what is known; how a fit was asked for last chose the options.
+    let FitTask {
+        run_id: _,
+        path: _,
+        revision: _,
+        drive,
+        area_cm2,
+        length_cm,
+        electrode_resistance_ohm_per_sq: along,
+        electrode_resistance_error_ohm_per_sq: along_error,
+        sample: _,
+        data_hash,
+        last_asked: _,
+    } = task;
     let mut hash = InputHash::new();
-    hash.text(&task.data_hash).drive(&task.drive);
-    hash.number(task.area_cm2).number_or_none(task.length_cm);
-    let along = task.electrode_resistance_ohm_per_sq;
+    hash.text(data_hash).drive(drive);
+    hash.number(*area_cm2).number_or_none(*length_cm);
     if options.model.id == distributed::MODEL_ID || along.is_some() {
-        hash.number_or_none(along);
+        hash.number_or_none(*along);
         // Where none is known the form is that of fits before it could be.
-        if let Some(error) = task.electrode_resistance_error_ohm_per_sq {
-            hash.number(error);
+        if let Some(error) = along_error {
+            hash.number(*error);
         }
     }
     let (model, method) = (options.model, options.method);
@@ -53,7 +84,7 @@ pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownPar
         .whole(model.version.into())
         .text(method.id())
         .flag(options.steps == Steps::Simultaneous);
-    if task.drive.moves() {
+    if drive.moves() {
         hash.whole(MOVING_VERSION.into());
     }
     if method.is_random() {

@@ -19,6 +19,8 @@ pub struct FitSummary {
     pub failed: Vec<(String, Issue)>,
     /// Runs whose search did not converge.
     pub not_converged: Vec<String>,
+    /// Runs that are left for the next call: what their fits depend on changed each time that they were made.
+    pub changing: Vec<String>,
     /// Groups that campaign.toml adopts a model for and that are not there.
     pub unknown_groups: Vec<String>,
     /// Choices of method, steps and model that hold for runs because somebody made them.
@@ -31,6 +33,7 @@ impl FitSummary {
         self.fitted += later.fitted;
         self.failed.extend(later.failed);
         self.not_converged.extend(later.not_converged);
+        self.changing = later.changing;
     }
 
     /// Whether a fault of the program stopped a fit.

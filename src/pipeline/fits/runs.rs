@@ -1,18 +1,20 @@
 //! Fits every run that has no fit yet, or whose readings, tags or model changed.
 
+use std::collections::BTreeSet;
+
 use super::along;
 use super::choice::{FitChoice, held, takes_known};
 use super::extended;
 use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, not_fitted, store};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
-use crate::domain::{Channel, Fit, Issue, KnownParameter};
+use crate::domain::{AskedFit, Channel, Fit, Issue, KnownParameter};
 use crate::fit::{FitInput, FitOptions, distributed, fit_knowing};
 use crate::ingest::derived;
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::derived::{Anew, Derived, Keyed, bring_up_to_date, sorted};
+use crate::pipeline::campaign::derived::{Derived, Keyed, MadeOf, bring_up_to_date, in_rounds, sorted};
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitTask, NewResult, ResultKind, RunThen};
+use crate::store::{FitTask, NewResult, ResultKind};
 
 /// Runs fitted between two commits: bounds memory, and what an interruption costs.
 const BATCH: usize = 32;
@@ -32,23 +34,28 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails; a run that cannot be fitted is no error.
     pub fn run(&self, context: &mut Context, observer: &dyn Observer) -> Result<FitSummary, PipelineError> {
-        let (mut summary, mut anew) = self.once(context, self.again, observer)?;
-        while anew == Anew::Yes {
-            let (later, still) = self.once(context, false, observer)?;
-            summary.and_then(later);
-            anew = still;
-        }
+        let mut summary = FitSummary::default();
+        summary.changing = in_rounds(DOING, observer, |is_first| {
+            let (found, changed) = self.once(context, self.again && is_first, observer)?;
+            if is_first {
+                summary = found;
+            } else {
+                summary.and_then(found);
+            }
+            Ok(changed)
+        })?;
         Ok(summary)
     }
 
-    /// Fits what is due of the runs as they are now; tells whether some changed meanwhile.
+    /// Fits what is due of the runs as they are now; names those of which it changed meanwhile what their fits depend on.
     fn once(
         &self,
         context: &mut Context,
         again: bool,
         observer: &dyn Observer,
-    ) -> Result<(FitSummary, Anew), PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked())?;
+    ) -> Result<(FitSummary, BTreeSet<String>), PipelineError> {
+        let asked = self.choice.asked();
+        let plan = fit_plan(context, &asked)?;
         let in_groups = plan.extended.iter().flat_map(|group| &group.runs);
         let chosen = plan.single.iter().chain(in_groups).map(|run| &run.chosen);
         let mut summary = FitSummary {
@@ -56,18 +63,19 @@ impl FitRuns {
             unknown_groups: plan.unknown_groups,
             ..FitSummary::default()
         };
-        let runs = sorted(&Single, context, plan.single, again)?;
-        let groups = extended::Groups::new();
+        let (single, groups) = (Single { asked: asked.clone() }, extended::Groups::new(asked));
+        let runs = sorted(&single, context, plan.single, again)?;
         let in_groups = sorted(&groups, context, plan.extended, again)?;
         let of_groups = in_groups.up_to_date.iter().map(|(_, group)| group.runs.len());
         summary.up_to_date = runs.up_to_date.len() + of_groups.sum::<usize>();
-        let single = bring_up_to_date(&Single, context, &runs.due, observer, |_, run, made| {
+        let mut changed = bring_up_to_date(&single, context, &runs.due, observer, |_, run, made| {
             summary.took(run, made)
         })?;
-        let extended = bring_up_to_date(&groups, context, &in_groups.due, observer, |_, run, made| {
+        let of_groups = bring_up_to_date(&groups, context, &in_groups.due, observer, |_, run, made| {
             summary.took(run, made)
         })?;
-        Ok((summary, single.or(extended)))
+        changed.extend(of_groups);
+        Ok((summary, changed))
     }
 
     /// Number of runs that would be fitted.
@@ -75,27 +83,39 @@ impl FitRuns {
     /// # Errors
     /// The model is not known, or the database fails.
     pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
-        let plan = fit_plan(context, &self.choice.asked())?;
-        let runs = sorted(&Single, context, plan.single, self.again)?;
-        let groups = sorted(&extended::Groups::new(), context, plan.extended, self.again)?;
+        let asked = self.choice.asked();
+        let plan = fit_plan(context, &asked)?;
+        let single = Single { asked: asked.clone() };
+        let runs = sorted(&single, context, plan.single, self.again)?;
+        let groups = sorted(&extended::Groups::new(asked), context, plan.extended, self.again)?;
         let of_groups = groups.due.iter().map(|(_, group)| group.runs.len());
         Ok(runs.due.len() + of_groups.sum::<usize>())
     }
 }
 
+/// What is done, for the progress.
+const DOING: &str = "fitting";
+
 /// Fits of runs one by one.
-pub(crate) struct Single;
+struct Single {
+    /// How fits are asked for.
+    asked: AskedFit,
+}
 
 impl Derived for Single {
     type Subject = Planned;
     type Readings = Vec<Channel>;
     type Found = Fit;
     const KIND: ResultKind = ResultKind::Fit;
-    const DOING: &'static str = "fitting";
+    const DOING: &'static str = DOING;
     const AT_ONCE: usize = BATCH;
 
-    fn runs<'s>(&self, run: &'s Planned) -> Vec<RunThen<'s>> {
-        vec![run.task.then()]
+    fn subjects(&self, context: &Context) -> Result<Vec<Planned>, PipelineError> {
+        Ok(fit_plan(context, &self.asked)?.single)
+    }
+
+    fn runs<'s>(&self, run: &'s Planned) -> Vec<MadeOf<'s>> {
+        vec![MadeOf::from(&run.task)]
     }
 
     fn key(&self, run: &Planned) -> String {
@@ -146,7 +166,7 @@ pub(crate) fn fit_and_take(
         observer,
         may_go_on: TO_THE_END,
     };
-    let load = |context: &Context, (_, run): &Due| Single.load(context, run);
+    let load = |context: &Context, (_, run): &Due| Ok(context.store.channels(run.task.run_id)?);
     let make = |(_, run): &Due, channels: Vec<Channel>| {
         fit_one(&run.task, &channels, &run.chosen.options, &run.known())
     };

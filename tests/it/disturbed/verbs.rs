@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use ieap::pipeline::upkeep::backup::{Backup, KEEP, Restore};
+use ieap::pipeline::upkeep::backup::{Backup, Restore};
 use ieap::pipeline::upkeep::verify::missed;
 use ieap::pipeline::{
     Context, Ingest, Intake, PipelineError, Rebuild, RenderReport, Run, SetTags, Silent, SpeakOfRuns,
@@ -239,11 +239,9 @@ pub fn backup(campaign: &Path, folder: &Path) -> Result<i32, PipelineError> {
     let context = Context::open_read_only(campaign)?;
     let verb = Backup {
         folder: folder.to_owned(),
-        deep: false,
-        keep: KEEP,
     };
     let done = verb.run(&context, &Silent)?;
-    Ok(after(false, done.left_out.is_empty() && done.damaged.is_empty()))
+    Ok(after(false, done.left_out.is_empty()))
 }
 
 pub fn restore(backup: &Path, folder: &Path) -> Result<i32, PipelineError> {

@@ -38,11 +38,10 @@ fn with(found: Result<&Fit, &Issue>) -> Store {
 }
 
 fn keep(store: &mut Store, key: &str, found: Result<&Fit, &Issue>) {
-    let (run_id, state) = store.states_of_runs().unwrap().pop_first().unwrap();
-    let (name, state) = ("runs/a.csv", state.as_str());
+    let run_id = only_run(store);
     let result = NewResult {
         of: Subject::Run(run_id),
-        made_from: &[RunThen { run_id, name, state }],
+        made_from: &[run_id],
         key,
         version: "1.0",
         found,
@@ -51,6 +50,10 @@ fn keep(store: &mut Store, key: &str, found: Result<&Fit, &Issue>) {
         store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap(),
         [true]
     );
+}
+
+fn only_run(store: &Store) -> i64 {
+    *store.readings_hashes().unwrap().first_key_value().unwrap().0
 }
 
 fn wrong(store: &Store) -> Vec<String> {
@@ -159,7 +162,7 @@ fn curves_that_changed_are_damage_and_numbers_are_read_without_them() {
 /// The run of the tests as another one than it was: by its name, by a tag, by new bytes.
 fn changed(store: &mut Store, how: &str) {
     let path = "runs/a.csv";
-    let run_id = *store.states_of_runs().unwrap().first_key_value().unwrap().0;
+    let run_id = only_run(store);
     let mut run = new_run(path, RunKind::Actuation, &[1.0, 2.0]);
     match how {
         "renamed" => {
@@ -196,46 +199,31 @@ fn file(path: &str) -> FileRow {
     }
 }
 
-/// What is made while its run changes is stored where it still is true, under the name that the run has then.
+/// What is made while its run gets another name or other tags is a result of that run, under the key of what it was made from;
+/// of a revision that is no current one there is none.
 #[test]
-fn a_result_is_of_its_run_as_it_is_where_it_is_stored() {
+fn a_result_is_of_its_run_under_the_name_that_it_has_then() {
     let found = made();
-    for (how, fit, diagnosis) in [
-        ("renamed", true, false),
-        ("tagged", false, false),
-        ("replaced", false, false),
+    for (how, kept) in [
+        ("renamed", Some("runs/b.csv")),
+        ("tagged", Some("runs/a.csv")),
+        ("replaced", None),
     ] {
         let mut store = with_run();
-        let (run_id, state) = store.states_of_runs().unwrap().pop_first().unwrap();
+        let run_id = only_run(&store);
         changed(&mut store, how);
-        let name = if how == "renamed" {
-            "runs/b.csv"
-        } else {
-            "runs/a.csv"
+        let result = NewResult {
+            of: Subject::Run(run_id),
+            made_from: &[run_id],
+            key: "k",
+            version: "1.0",
+            found: Ok(&found),
         };
-        let made_from = [RunThen {
-            run_id,
-            name: "runs/a.csv",
-            state: &state,
-        }];
-        // A diagnosis speaks of its run by name.
-        for (kind, kept) in [(ResultKind::Fit, fit), (ResultKind::Run, diagnosis)] {
-            let result = NewResult {
-                of: Subject::Run(run_id),
-                made_from: &made_from,
-                key: "k",
-                version: "1.0",
-                found: Ok(&found),
-            };
-            assert_eq!(
-                store.keep_results(NOW, kind, &[result]).unwrap(),
-                [kept],
-                "{how} {kind:?}"
-            );
-            let stored = store.results::<Fit>(kind).unwrap();
-            let names: Vec<&str> = stored.iter().map(|stored| &*stored.origin.name).collect();
-            assert_eq!(names, if kept { vec![name] } else { vec![] }, "{how} {kind:?}");
-        }
+        let stored = store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap();
+        assert_eq!(stored, [kept.is_some()], "{how}");
+        let stored = store.results::<Fit>(ResultKind::Fit).unwrap();
+        let names: Vec<&str> = stored.iter().map(|stored| &*stored.origin.name).collect();
+        assert_eq!(names, Vec::from_iter(kept), "{how}");
         assert!(wrong(&store).is_empty(), "{how}");
     }
 }

@@ -11,12 +11,12 @@ use crate::domain::{Channel, Issue, RunComparison, RunRecord};
 use crate::fit::FitError;
 use crate::model::{FitModel, bending_law, fit_models};
 use crate::pipeline::campaign::derived::{
-    Anew, Derived, Keyed, Made, Sorted, bring_up_to_date, look, sorted,
+    Derived, Keyed, Made, MadeOf, Sorted, bring_up_to_date, in_rounds, look, sorted,
 };
 use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::fits::outcome::fit_fault;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{FitTask, ResultKind, RunThen};
+use crate::store::{FitTask, ResultKind};
 use hash::input_hash;
 use scored::scored;
 
@@ -55,6 +55,8 @@ pub struct CompareSummary {
     pub comparisons: Vec<RunComparison>,
     /// The same summed up by material and environment.
     pub conditions: Vec<ComparedCondition>,
+    /// Runs that are left for the next call: what their comparisons depend on changed each time that they were made.
+    pub changing: Vec<String>,
 }
 
 /// Runs of one sample in one environment: each tells what the others predict at its voltage.
@@ -76,8 +78,12 @@ impl Derived for Comparing {
     const DOING: &'static str = "comparing models";
     const AT_ONCE: usize = 4;
 
-    fn runs<'s>(&self, group: &'s Group) -> Vec<RunThen<'s>> {
-        group.tasks.iter().map(FitTask::then).collect()
+    fn subjects(&self, context: &Context) -> Result<Vec<Group>, PipelineError> {
+        grouped(context, &standing::speaking(context)?)
+    }
+
+    fn runs<'s>(&self, group: &'s Group) -> Vec<MadeOf<'s>> {
+        group.tasks.iter().map(MadeOf::from).collect()
     }
 
     fn key(&self, group: &Group) -> String {
@@ -120,13 +126,13 @@ impl CompareModels {
     ) -> Result<CompareSummary, PipelineError> {
         let mut asked = self.asked(context, self.again)?;
         let mut summary = asked.summary();
-        loop {
-            let took = |group: &Group, run: &str, made: &Made<RunComparison>| summary.took(group, run, made);
-            if bring_up_to_date(&asked.comparing, context, &asked.due, observer, took)? == Anew::No {
-                break;
+        summary.changing = in_rounds(Comparing::DOING, observer, |is_first| {
+            if !is_first {
+                asked = self.asked(context, false)?;
             }
-            asked = self.asked(context, false)?;
-        }
+            let took = |group: &Group, run: &str, made: &Made<RunComparison>| summary.took(group, run, made);
+            bring_up_to_date(&asked.comparing, context, &asked.due, observer, took)
+        })?;
         summary.comparisons = asked.stored(context)?;
         asked.sum_up(context, &mut summary);
         Ok(summary)

@@ -1,14 +1,16 @@
 //! Every sample held against what the other samples of its material say of a cause that they share.
 
+use std::collections::BTreeSet;
+
 use super::inputs::{BATCH, not_condemned, with_inputs};
 use super::subject::Subject;
-use super::{Row, runs_of, save};
+use super::{Row, Saving, runs_of};
 use crate::analysis::shared_effects::{shared_effects, values_without};
 use crate::diagnose::{DiagnoseOptions, fall_from_others};
 use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
-use crate::pipeline::campaign::derived::Anew;
+use crate::pipeline::campaign::derived::Inputs;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{Diagnosed, FitTask, ResultKind, StoredDiagnosis};
@@ -29,9 +31,9 @@ pub(super) fn hold_against_others(
     tasks: &[FitTask],
     options: &DiagnoseOptions,
     observer: &dyn Observer,
-) -> Result<Anew, PipelineError> {
-    let mut anew = Anew::No;
+) -> Result<BTreeSet<String>, PipelineError> {
     let due = due(context, subjects)?;
+    let mut saving = Saving::of(|context: &Context| stored_still(context, &due, tasks));
     let making = Making {
         doing: "predicting samples from others",
         at_once: BATCH,
@@ -45,9 +47,24 @@ pub(super) fn hold_against_others(
     let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);
     making.run(context, &due, load, make, |context, made| {
         let rows: Vec<Row> = made.into_iter().map(|(_, row)| row).collect();
-        save(context, &rows, observer, &mut anew, |_| {})
+        saving.save(context, &rows, |_| {})
     })?;
-    Ok(anew)
+    Ok(saving.changed)
+}
+
+/// What the findings that are to be held against others were made from, of those that are still the stored ones.
+fn stored_still(
+    context: &Context,
+    due: &[Due],
+    tasks: &[FitTask],
+) -> Result<BTreeSet<Inputs>, PipelineError> {
+    let keys = context.store.result_keys(ResultKind::Group)?;
+    let still = due.iter().filter_map(|due| {
+        let origin = &due.stored.origin;
+        let is_stored = keys.get(&origin.name) == Some(&origin.key);
+        is_stored.then(|| (origin.key.clone(), runs_of(due.subject, tasks)))
+    });
+    Ok(still.collect())
 }
 
 fn due<'a>(context: &Context, subjects: &'a [Subject]) -> Result<Vec<Due<'a>>, PipelineError> {
@@ -124,12 +141,7 @@ fn made_of(input_hash: &str, held: &FromOthers) -> String {
 }
 
 /// The group's row with what came out. An effect that cannot be held against the group is left without a fall.
-fn held<'t>(
-    due: &Due,
-    tasks: &'t [FitTask],
-    channels: &[Vec<Channel>],
-    options: &DiagnoseOptions,
-) -> Row<'t> {
+fn held(due: &Due, tasks: &[FitTask], channels: &[Vec<Channel>], options: &DiagnoseOptions) -> Row {
     let mut found = due.stored.diagnosed.found.clone();
     found.from_others = with_inputs(due.subject, tasks, channels, |inputs| {
         let inputs = &not_condemned(inputs, &due.stored.diagnosed.found);

@@ -8,6 +8,7 @@ mod inputs;
 mod outdated;
 mod subject;
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::groups::{is_called, title};
@@ -16,13 +17,13 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, GroupDiagnosis};
 use crate::pipeline::campaign::batch::Making;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
-use crate::pipeline::campaign::derived::Anew;
+use crate::pipeline::campaign::derived::{Holding, Inputs, in_rounds};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, Observer, PipelineError};
-use crate::store::{self, Diagnosed, FitTask, NewResult, ResultKind, RunThen};
+use crate::store::{self, Diagnosed, FitTask, NewResult, ResultKind};
 pub(crate) use ahead::condemned_ahead;
 pub use choice::{DiagnoseChoice, stands_in};
 use input_hash::input_hash;
@@ -62,6 +63,9 @@ pub struct DiagnoseSummary {
     pub up_to_date: usize,
     /// Groups and single runs left for the next turn.
     pub left: usize,
+    /// Groups and single runs that are left for the next call: what their diagnoses depend on changed each time that they were
+    /// made.
+    pub changing: Vec<String>,
     /// Groups and single runs whose diagnosis stopped on an internal fault, now or before.
     pub failed: Vec<String>,
     /// Runs diagnosed now that may be claimed to be wrong as they came, with p and the level that they were tested at.
@@ -91,6 +95,9 @@ impl DiagnoseSummary {
 /// A finding to be made, with the hash of all that it depends on.
 type Due<'a> = (String, &'a [usize], Vec<&'a Subject>);
 
+/// What is done, for the progress.
+const DOING: &str = "diagnosing";
+
 impl DiagnoseRuns {
     /// Diagnoses what is missing or out of date. The outcome does not depend on the number of threads.
     ///
@@ -119,16 +126,21 @@ impl DiagnoseRuns {
     ) -> Result<DiagnoseSummary, PipelineError> {
         let mut hears_once = Some(begins);
         let mut begins = |context: &Context| hears_once.take().map_or(Ok(()), |begins| begins(context));
-        let (mut summary, mut anew) = self.once(context, self.again, observer, may_go_on, &mut begins)?;
-        while anew == Anew::Yes {
-            let (later, still) = self.once(context, false, observer, may_go_on, &mut begins)?;
-            summary.and_then(later);
-            anew = still;
-        }
+        let mut summary = DiagnoseSummary::default();
+        summary.changing = in_rounds(DOING, observer, |is_first| {
+            let again = self.again && is_first;
+            let (found, changed) = self.once(context, again, observer, may_go_on, &mut begins)?;
+            if is_first {
+                summary = found;
+            } else {
+                summary.and_then(found);
+            }
+            Ok(changed)
+        })?;
         Ok(summary)
     }
 
-    /// Diagnoses what is due of the runs as they are now; tells whether some changed meanwhile.
+    /// Diagnoses what is due of the runs as they are now; names what changed meanwhile.
     fn once(
         &self,
         context: &mut Context,
@@ -136,7 +148,7 @@ impl DiagnoseRuns {
         observer: &dyn Observer,
         may_go_on: &(dyn Fn() -> bool + Sync),
         begins: &mut dyn FnMut(&Context) -> Result<(), PipelineError>,
-    ) -> Result<(DiagnoseSummary, Anew), PipelineError> {
+    ) -> Result<(DiagnoseSummary, BTreeSet<String>), PipelineError> {
         let options = self.choice.options(&context.campaign)?;
         let tasks = context.store.fit_tasks()?;
         let (all, unknown_keys) = subjects(context, &tasks, &standing::to_diagnose(context)?);
@@ -180,30 +192,46 @@ impl DiagnoseRuns {
             begins(context)?;
         }
         let making = Making {
-            doing: "diagnosing",
+            doing: DOING,
             at_once: BATCH,
             observer,
             may_go_on,
         };
-        let load =
-            |context: &Context, (_, members, subjects): &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
+        let saving = RefCell::new(Saving::of(|context: &Context| {
+            inputs_now(context, &options, &library)
+        }));
+        let load = |context: &Context, (hash, members, subjects): &Due| {
+            let load = || -> Result<Vec<Vec<Channel>>, PipelineError> {
                 if subjects[0].set_apart.is_some() {
                     return Ok(Vec::new());
                 }
                 let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
                 members.iter().map(channels).collect()
             };
-        let make = |(_, members, subjects): &Due, channels: Vec<Vec<Channel>>| {
-            diagnose_one(subjects[0], members, &tasks, &channels, &options)
+            let inputs = (hash.clone(), runs_of(subjects[0], &tasks));
+            saving.borrow_mut().holding.loaded(context, &inputs, load)
+        };
+        let make = |(_, members, subjects): &Due, channels: Option<Vec<Vec<Channel>>>| {
+            channels.map(|channels| diagnose_one(subjects[0], members, &tasks, &channels, &options))
         };
         let mut made: Vec<Due> = Vec::new();
-        let mut anew = Anew::No;
         making.run(context, &due, load, make, |context, found| {
-            let (done, found): (Vec<Due>, Vec<GroupDiagnosis>) =
-                found.into_iter().map(|(due, found)| (due.clone(), found)).unzip();
-            let rows = rows(&done, found, (&tasks, &options, &library));
-            made.extend(done);
-            save(context, &rows, observer, &mut anew, |row| {
+            let (mut done, mut all): (Vec<Due>, Vec<GroupDiagnosis>) = (Vec::new(), Vec::new());
+            for (due, found) in found {
+                made.push(due.clone());
+                match found {
+                    Some(found) => {
+                        done.push(due.clone());
+                        all.push(found);
+                    }
+                    None => {
+                        let names = due.2.iter().map(|subject| title(&subject.name));
+                        saving.borrow_mut().changed.extend(names);
+                    }
+                }
+            }
+            let rows = rows(&done, all, (&tasks, &options, &library));
+            saving.borrow_mut().save(context, &rows, |row| {
                 let found = &row.diagnosed.found;
                 summary.diagnosed += 1;
                 summary.failed.extend(found.is_fault.then(|| row.name.clone()));
@@ -212,10 +240,12 @@ impl DiagnoseRuns {
         let count = |due: &[Due]| due.iter().map(|(_, _, subjects)| subjects.len()).sum::<usize>();
         summary.left = count(&due) - count(&made);
         summary.claimed = claimed(context, &made)?;
-        if summary.left == 0 && anew == Anew::No {
-            anew = from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
+        let changed = saving.into_inner().changed;
+        if summary.left == 0 && changed.is_empty() {
+            let changed = from_others::hold_against_others(context, &all, &tasks, &options, observer)?;
+            return Ok((summary, changed));
         }
-        Ok((summary, anew))
+        Ok((summary, changed))
     }
 
     /// The subjects that are asked for.
@@ -323,11 +353,11 @@ pub(crate) fn diagnose_one(
 }
 
 /// What was found of a batch, as it is stored.
-fn rows<'t>(
+fn rows(
     batch: &[Due],
     found: Vec<GroupDiagnosis>,
-    (tasks, options, library): (&'t [FitTask], &DiagnoseOptions, &str),
-) -> Vec<Row<'t>> {
+    (tasks, options, library): (&[FitTask], &DiagnoseOptions, &str),
+) -> Vec<Row> {
     let mut rows = Vec::new();
     for ((hash, members, subjects), found) in batch.iter().zip(found) {
         for subject in subjects {
@@ -358,51 +388,94 @@ fn rows<'t>(
     rows
 }
 
-/// The runs that a subject is made of, as they were.
-fn runs_of<'t>(subject: &Subject, tasks: &'t [FitTask]) -> Vec<RunThen<'t>> {
-    subject.members.iter().map(|&index| tasks[index].then()).collect()
+/// Row ids of the runs that a subject is made of.
+fn runs_of(subject: &Subject, tasks: &[FitTask]) -> Vec<i64> {
+    subject.members.iter().map(|&index| tasks[index].run_id).collect()
 }
 
 /// A diagnosis on its way into the database.
-struct Row<'t> {
+struct Row {
     kind: ResultKind,
     name: String,
-    made_from: Vec<RunThen<'t>>,
+    made_from: Vec<i64>,
     key: String,
     version: String,
     diagnosed: Diagnosed,
 }
 
-/// Stores diagnoses of runs that are what they were; `took` is told of each.
-fn save(
-    context: &mut Context,
-    rows: &[Row<'_>],
-    observer: &dyn Observer,
-    anew: &mut Anew,
-    mut took: impl FnMut(&Row<'_>),
-) -> Result<(), PipelineError> {
-    for kind in [ResultKind::Group, ResultKind::Run] {
-        let of_kind: Vec<&Row<'_>> = rows.iter().filter(|row| row.kind == kind).collect();
-        let results: Vec<NewResult<'_, Diagnosed>> = (of_kind.iter())
-            .map(|row| NewResult {
-                of: match kind {
-                    ResultKind::Run => store::Subject::Run(row.made_from[0].run_id),
-                    _ => store::Subject::Named(&row.name),
-                },
-                made_from: &row.made_from,
-                key: &row.key,
-                version: &row.version,
-                found: Ok(&row.diagnosed),
-            })
-            .collect();
-        let kept = context.store.keep_results(&now(), kind, &results)?;
-        for (kept, row) in kept.into_iter().zip(of_kind) {
-            if kept {
-                took(row);
-            } else {
-                anew.of("diagnosing", &title(&row.name), observer);
-            }
+/// The storing of diagnoses.
+struct Saving<N> {
+    holding: Holding<N>,
+    /// Names of what changed while it was diagnosed: nothing of it is stored.
+    changed: BTreeSet<String>,
+}
+
+impl<N: Fn(&Context) -> Result<BTreeSet<Inputs>, PipelineError>> Saving<N> {
+    /// Of diagnoses whose inputs are among those that hold `now`.
+    fn of(now: N) -> Saving<N> {
+        Saving {
+            holding: Holding::of(now),
+            changed: BTreeSet::new(),
         }
     }
-    Ok(())
+
+    /// Stores diagnoses whose inputs hold; `took` is told of each.
+    fn save(
+        &mut self,
+        context: &mut Context,
+        rows: &[Row],
+        mut took: impl FnMut(&Row),
+    ) -> Result<(), PipelineError> {
+        let changed = &mut self.changed;
+        self.holding.step(context, |context, inputs| {
+            let holds = |row: &&Row| inputs.contains(&(row.key.clone(), row.made_from.clone()));
+            let (holding, other): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(holds);
+            changed.extend(other.into_iter().map(|row| title(&row.name)));
+            for kind in [ResultKind::Group, ResultKind::Run] {
+                let of_kind = holding.iter().copied().filter(|row| row.kind == kind);
+                let of_kind: Vec<&Row> = of_kind.collect();
+                let results: Vec<NewResult<'_, Diagnosed>> =
+                    of_kind.iter().copied().map(Row::result).collect();
+                let kept = context.store.keep_results(&now(), kind, &results)?;
+                for (kept, row) in kept.into_iter().zip(of_kind) {
+                    if kept {
+                        took(row);
+                    } else {
+                        changed.insert(title(&row.name));
+                    }
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// What diagnoses with these options depend on now.
+fn inputs_now(
+    context: &Context,
+    options: &DiagnoseOptions,
+    library: &str,
+) -> Result<BTreeSet<Inputs>, PipelineError> {
+    let tasks = context.store.fit_tasks()?;
+    let (all, _) = subjects(context, &tasks, &standing::to_diagnose(context)?);
+    let inputs = |subject: &Subject| {
+        let key = input_hash(subject, &tasks, options, library);
+        (key, runs_of(subject, &tasks))
+    };
+    Ok(all.iter().map(inputs).collect())
+}
+
+impl Row {
+    fn result(&self) -> NewResult<'_, Diagnosed> {
+        NewResult {
+            of: match self.kind {
+                ResultKind::Run => store::Subject::Run(self.made_from[0]),
+                _ => store::Subject::Named(&self.name),
+            },
+            made_from: &self.made_from,
+            key: &self.key,
+            version: &self.version,
+            found: Ok(&self.diagnosed),
+        }
+    }
 }

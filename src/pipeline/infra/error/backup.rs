@@ -48,6 +48,16 @@ pub enum BackupError {
         /// What is wrong with it.
         detail: String,
     },
+    /// The words are not all that was said.
+    #[error(
+        "{path}: {detail}. The backup was not changed and is as it was before. Where the database is sound, move the file away: the next `ieap run` writes it from there, and then `ieap backup` goes on. To keep both, name another folder."
+    )]
+    Words {
+        /// The journal.
+        path: String,
+        /// What it lacks.
+        detail: String,
+    },
     /// A file that was just written does not read back.
     #[error("{}: {path} does not read back as it was written: the disk, the cable or the memory is failing. The backup was not finished, and is as it was before. Try another disk.", folder.display())]
     NotAsWritten {
@@ -57,25 +67,21 @@ pub enum BackupError {
         path: String,
     },
     /// There is no backup in the folder.
-    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.{others}", folder.display(), FILE_NAME)]
+    #[error("{}: there is no finished backup ({}) in it. Name the folder that was given to `ieap backup`.", folder.display(), FILE_NAME)]
     NoBackup {
         /// The folder named.
         folder: PathBuf,
-        /// Lists that can be restored, in words.
-        others: String,
     },
     /// The list of what the backup holds is damaged.
-    #[error("{}: the list is damaged ({detail}), so that it is not known what that backup holds. If the campaign is still there, `ieap backup` into the same folder writes a new one. If not, the raw files lie in `archive/` of the backup under their hashes, and the database beside them.{others}", path.display())]
+    #[error("{}: the list is damaged ({detail}), so that it is not known what that backup holds. If the campaign is still there, `ieap backup` into the same folder writes a new one. If not, the raw files lie in `archive/` of the backup under their hashes, and the database beside them.", path.display())]
     DamagedManifest {
         /// The list.
         path: PathBuf,
         /// What is wrong.
         detail: String,
-        /// Lists that can be restored, in words.
-        others: String,
     },
     /// The list names what would not lie in the restored folder.
-    #[error("{}: the list names {count} files that would not lie in the restored folder: {first}. No `ieap backup` writes such a list: it was changed. Nothing was written. If the campaign is still there, `ieap backup` into the same folder writes a new list. If it is not, `ieap restore --damaged` restores the other files and lists these.{others}", path.display())]
+    #[error("{}: the list names {count} files that would not lie in the restored folder: {first}. No `ieap backup` writes such a list: it was changed. Nothing was written. If the campaign is still there, `ieap backup` into the same folder writes a new list. If it is not, `ieap restore --damaged` restores the other files and lists these.", path.display())]
     OutOfPlace {
         /// The list.
         path: PathBuf,
@@ -83,11 +89,9 @@ pub enum BackupError {
         count: usize,
         /// The first of them, with the reason.
         first: String,
-        /// Lists that can be restored, in words.
-        others: String,
     },
     /// Files of the backup are missing or have other bytes.
-    #[error("{}: {count} of its files are missing or damaged: {first}. Nothing was restored. If the campaign is still there, `ieap backup --deep` into the same folder mends them. If it is not, `ieap restore --damaged` restores what is whole and lists the rest.{others}", folder.display())]
+    #[error("{}: {count} of its files are missing or damaged: {first}. Nothing was restored. If the campaign is still there, delete these files of the backup, and `ieap backup` copies them again. If it is not, `ieap restore --damaged` restores what is whole and lists the rest.", folder.display())]
     Damaged {
         /// The backup folder.
         folder: PathBuf,
@@ -95,8 +99,6 @@ pub enum BackupError {
         count: usize,
         /// The first of them, by the names that they have in the campaign.
         first: String,
-        /// Lists that can be restored, in words.
-        others: String,
     },
     /// The new folder is not empty.
     #[error("{}: {found}, and nothing in it was touched. Name a folder that does not exist yet.", folder.display())]
@@ -115,19 +117,6 @@ pub enum BackupError {
 }
 
 impl BackupError {
-    /// The same with what else can be restored.
-    pub(crate) fn with_others(mut self, said: String) -> BackupError {
-        use BackupError as E;
-        if let E::NoBackup { others, .. }
-        | E::DamagedManifest { others, .. }
-        | E::OutOfPlace { others, .. }
-        | E::Damaged { others, .. } = &mut self
-        {
-            *others = said;
-        }
-        self
-    }
-
     /// Whether the user named a wrong folder, rather than a disk or a database being at fault.
     pub fn is_usage(&self) -> bool {
         use BackupError as E;

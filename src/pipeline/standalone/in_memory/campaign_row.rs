@@ -44,7 +44,6 @@ impl CampaignRow {
             task: FitTask {
                 run_id: 0,
                 revision: 0,
-                state: String::new(),
                 path: self.run.clone(),
                 drive: self.drive.clone(),
                 area_cm2: self.area_cm2,

@@ -172,7 +172,6 @@ impl RunAtHand {
             task: FitTask {
                 run_id: 0,
                 revision: 0,
-                state: String::new(),
                 path: name.to_owned(),
                 drive,
                 area_cm2,

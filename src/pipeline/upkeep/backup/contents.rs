@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::blobs::Blobs;
 use super::manifest::{LeftOut, Manifest, StoredFile};
-use super::shelf::Shelf;
 use crate::ingest::campaign_file;
 use crate::ingest::profiles;
 use crate::ingest::scan::{self, Scan, SeenFile, display_path, is_passing_name, states_for};
@@ -41,11 +41,11 @@ impl Omitted {
         &mut self,
         earlier: Option<&Manifest>,
         now: &[StoredFile],
-        shelf: &Shelf,
+        blobs: &Blobs,
     ) -> Vec<StoredFile> {
         let known: BTreeSet<&str> = now.iter().map(|file| file.path.as_str()).collect();
         let at_hand = |file: &&StoredFile| {
-            !known.contains(file.path.as_str()) && shelf.holds(&file.blake3, file.size_bytes)
+            !known.contains(file.path.as_str()) && blobs.holds(&file.blake3, file.size_bytes)
         };
         let mut taken = Vec::new();
         for file in earlier.iter().flat_map(|list| &list.files).filter(at_hand) {
@@ -112,6 +112,14 @@ pub fn listed(context: &Context, copy: &Store, omitted: &mut Omitted) -> Result<
     let runs_folder = &context.campaign.runs_folder;
     let mut optional = context.campaign.optional_folders().to_vec();
     optional.extend(log_folders(runs_folder));
+    // Whatever campaign.toml says now: where files were taken in from they are.
+    for path in stored.keys() {
+        let mut folders = optional.iter().copied().chain([runs_folder.as_str()]);
+        let is_seen = folders.any(|folder| Path::new(path).starts_with(folder));
+        if let (false, Some((folder, _))) = (is_seen, path.split_once('/')) {
+            optional.push(folder);
+        }
+    }
     match of_one_moment(|| scan::scan(root, runs_folder, &optional, scan::ScanLimits::default())) {
         Ok((seen, is_settled)) => {
             if !is_settled {

@@ -9,14 +9,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::pipeline::infra::error::BackupError;
+use crate::pipeline::infra::whole_file::put_own;
 use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
-
-/// How the name of a list begins; its number follows.
-pub const PREFIX: &str = "backup-";
-
-/// How the name of a list ends.
-pub const ENDING: &str = ".json";
 
 /// What no file holds, one JSON document a line, inside the archive: it is only ever appended to.
 pub const JOURNAL: &str = "archive/journal.jsonl";
@@ -34,9 +29,6 @@ pub struct Manifest {
     pub campaign: String,
     /// Id of the database.
     pub database_id: String,
-    /// Its number among the lists of the backup; 0 of one that an earlier version of the program wrote.
-    #[serde(default)]
-    pub number: u64,
     /// When it was made, RFC 3339 UTC.
     pub made_at: String,
     /// Program that made it.
@@ -79,8 +71,6 @@ pub struct Head {
     pub campaign: String,
     /// Id of the database.
     pub database_id: String,
-    /// Its number among the lists of the backup.
-    pub number: u64,
     /// When the backup is made, RFC 3339 UTC.
     pub made_at: String,
     /// Number of changes of the database.
@@ -94,7 +84,6 @@ impl Manifest {
             schema: SCHEMA.to_owned(),
             campaign: head.campaign,
             database_id: head.database_id,
-            number: head.number,
             made_at: head.made_at,
             program: format!("ieap {}", crate::pipeline::CODE_VERSION),
             changes: head.changes,
@@ -104,21 +93,39 @@ impl Manifest {
         }
     }
 
-    /// Reads that of the name `path`; none where there is none.
+    /// Reads that of the backup in `folder`; none where there is none.
     ///
     /// # Errors
     /// It cannot be read, or is damaged.
-    pub fn read(path: &Path) -> Result<Option<Manifest>, PipelineError> {
-        let path = path.to_owned();
+    pub fn read(folder: &Path) -> Result<Option<Manifest>, PipelineError> {
+        let path = folder.join(FILE_NAME);
         let text = match fs::read_own(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(failed(&path, "reading what the backup holds")(source)),
         };
-        parsed(&text).map(Some).map_err(|detail| {
-            let others = String::new();
-            BackupError::DamagedManifest { path, detail, others }.into()
-        })
+        parsed(&text)
+            .map(Some)
+            .map_err(|detail| BackupError::DamagedManifest { path, detail }.into())
+    }
+
+    /// Puts it in place, safe on the disk and read back. Until this step the one before it is the backup.
+    ///
+    /// # Errors
+    /// The disk refuses, or does not give back what was written.
+    pub fn put(&self, folder: &Path) -> Result<(), PipelineError> {
+        put_own(&folder.join(FILE_NAME), self.text()?.as_bytes())?;
+        fs::sync_names(folder).map_err(failed(folder, "bringing it to the disk"))?;
+        if Manifest::read(folder)?.as_ref() != Some(self) {
+            let (folder, path) = (folder.to_owned(), FILE_NAME.to_owned());
+            return Err(BackupError::NotAsWritten { folder, path }.into());
+        }
+        Ok(())
+    }
+
+    /// The file of that path in the campaign.
+    pub fn file(&self, path: &str) -> Option<&StoredFile> {
+        self.files.iter().find(|file| file.path == path)
     }
 
     /// Hashes of the files that it names.
@@ -126,8 +133,8 @@ impl Manifest {
         self.files.iter().map(|file| file.blake3.as_str())
     }
 
-    /// Those of files that a backup may give back to the disk when no list names them. Raw files of the archive stay: nothing
-    /// removes one, and one that the campaign lost is here.
+    /// Those of files that go with a list that no longer is the backup. Raw files of the archive stay: nothing removes one, and one
+    /// that the campaign lost is here.
     pub fn hashes_to_forget(&self) -> impl Iterator<Item = &str> {
         let is_raw = |file: &&StoredFile| file.path.starts_with("archive/") && file.path != JOURNAL;
         let raw: BTreeSet<&str> = (self.files.iter().filter(is_raw))
@@ -136,11 +143,7 @@ impl Manifest {
         self.hashes().filter(move |hash| !raw.contains(hash))
     }
 
-    /// Its text.
-    ///
-    /// # Errors
-    /// A fault of the program.
-    pub fn text(&self) -> Result<String, PipelineError> {
+    fn text(&self) -> Result<String, PipelineError> {
         let internal = |error: serde_json::Error| PipelineError::Fault {
             step: "writing what the backup holds".to_owned(),
             reason: error.to_string(),
@@ -172,12 +175,6 @@ fn checksum(backup: &Value) -> String {
     blake3::hash(backup.to_string().as_bytes()).to_hex().to_string()
 }
 
-/// The number in the name of a list; none in other names.
-pub fn number_in(name: &str) -> Option<u64> {
-    let (number, _) = name.strip_prefix(PREFIX)?.strip_suffix(ENDING)?.split_once('-')?;
-    number.parse().ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,7 +189,6 @@ mod tests {
         let head = Head {
             campaign: "c".to_owned(),
             database_id: "d".to_owned(),
-            number: 3,
             made_at: "2026-01-01T00:00:00Z".to_owned(),
             changes: u64::MAX,
         };
@@ -208,15 +204,15 @@ mod tests {
     fn what_was_written_is_read_and_any_flipped_byte_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(FILE_NAME);
-        assert_eq!(Manifest::read(&path).unwrap(), None);
+        assert_eq!(Manifest::read(folder.path()).unwrap(), None);
         fs::write(&path, manifest().text().unwrap()).unwrap();
-        assert_eq!(Manifest::read(&path).unwrap(), Some(manifest()));
+        assert_eq!(Manifest::read(folder.path()).unwrap(), Some(manifest()));
         let sound = fs::read_own(&path).unwrap();
         for at in 0..sound.len() {
             let mut flipped = sound.clone();
             flipped[at] ^= 1;
             fs::write(&path, &flipped).unwrap();
-            let read = Manifest::read(&path);
+            let read = Manifest::read(folder.path());
             // A blank between two words of JSON may become another one.
             assert!(read.is_err() || read.unwrap() == Some(manifest()), "byte {at}");
         }

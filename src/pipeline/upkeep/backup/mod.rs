@@ -1,18 +1,18 @@
-//! Backups: a copy of a campaign in a folder elsewhere, made while everything runs, and restored into a new folder.
+//! A backup: one copy of a campaign in a folder elsewhere, made while everything runs, and restored into a new folder.
 //!
-//! All bytes but those of the database lie under their hashes, so that a second backup copies what is new and nothing can
-//! be half-changed: the list of what belongs to the backup, written last and in one step, is the backup. The lists before it
-//! stay, and what they name: a new backup takes nothing away that can still be needed. The database is copied first: the
-//! archive holds whatever it names, since raw files are archived before the database names them.
+//! All bytes but those of the database lie under their hashes, so that the next backup copies what is new and nothing can be
+//! half-changed: the list of what belongs to the backup, written last and in one step, is the backup. What only the list before
+//! it named goes after that. The database is copied first, then the words, whose end is compared with its own, then raw files:
+//! the archive holds whatever it names, since raw files are archived before the database names them. Versions are for programs
+//! that keep versions of any folder.
 
+mod blobs;
 mod contents;
-mod journal;
-mod lists;
 mod making;
 pub mod manifest;
 mod place;
 mod restore;
-mod shelf;
+mod words;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -26,17 +26,14 @@ use crate::pipeline::campaign::context::now;
 use crate::pipeline::{Context, Observer, PipelineError, failed};
 use crate::store::{Found, Store, found};
 use crate::system::fs;
+use blobs::{Blobs, DATABASE, UNFINISHED};
 use contents::{Omitted, Wanted, listed, reason};
-use lists::Lists;
-use manifest::{Head, LeftOut, Manifest, StoredFile};
+use manifest::{Head, JOURNAL, LeftOut, Manifest, StoredFile};
 use place::place;
-use shelf::{DATABASE, Shelf, UNFINISHED};
 
 pub use crate::pipeline::infra::error::BackupError;
 pub use restore::{Restore, Restored};
 
-/// Lists that stay unless the user says otherwise, the new one counted: a week of evenings. Each costs a copy of the database.
-pub const KEEP: usize = 7;
 /// Largest file that is read into a backup, bytes: none that is taken in is larger.
 const LARGEST_FILE_BYTES: u64 = 1 << 30;
 
@@ -45,10 +42,6 @@ const LARGEST_FILE_BYTES: u64 = 1 << 30;
 pub struct Backup {
     /// Folder of the backup.
     pub folder: PathBuf,
-    /// Whether every file that is there already is read and held against its hash; a damaged one is copied again.
-    pub deep: bool,
-    /// How many lists stay, the new one counted; at least one.
-    pub keep: usize,
 }
 
 /// What `backup` did.
@@ -66,16 +59,8 @@ pub struct BackedUp {
     pub copied: usize,
     /// Their size, bytes.
     pub copied_bytes: u64,
-    /// Files of the backup that were damaged and are whole again.
-    pub mended: usize,
-    /// Its list, which is kept beside `backup.json`.
-    pub list: String,
-    /// Lists of backups before it that can be restored, the newest first.
-    pub earlier: Vec<String>,
     /// What is not in the backup as it is now, with the reason.
     pub left_out: Vec<LeftOut>,
-    /// Lists of backups before it that are damaged, or of which files are lost.
-    pub damaged: Vec<LeftOut>,
 }
 
 impl Backup {
@@ -90,44 +75,36 @@ impl Backup {
             }
             .into());
         }
-        let mut shelf = Shelf::open(&self.folder, &context.folder, &context.store.identity()?)?;
-        let before = Lists::numbered(&self.folder)?;
-        let earlier = before.whole.first().map(|(_, list)| list);
-        let damaged = if self.deep { shelf.check_all()? } else { Vec::new() };
+        let mut blobs = Blobs::open(&self.folder, &context.folder, &context.store.identity()?)?;
+        let earlier = match Manifest::read(&self.folder) {
+            // What cannot be read is no backup: another list takes its place.
+            Err(PipelineError::Backup(damaged)) => {
+                observer.warn(&damaged.to_string());
+                None
+            }
+            found => found?,
+        };
         let (database, copy) = self.copy_database(context, observer)?;
-        let (files, left_out) = gathered(context, &copy, earlier, &mut shelf, observer)?;
+        let (files, left_out) = gathered(context, &copy, earlier.as_ref(), &mut blobs, observer)?;
         let head = Head {
             campaign: context.campaign.id.clone(),
             database_id: copy.identity()?,
-            number: before.next_number(),
             made_at: now(),
             changes: copy.changes()?.0,
         };
         drop(copy);
         let manifest = Manifest::of(head, database, files, left_out);
-        let list = lists::put(&manifest, &self.folder)?;
+        manifest.put(&self.folder)?;
         // From here on the backup is the new one.
-        let mut lists = Lists::of(&self.folder)?;
-        lists.keep(self.keep.max(1), &self.folder, &shelf)?;
-        lists.look_for_losses(&shelf, self.deep);
-        let is_lost = |name: &String| lists.damaged.iter().any(|lost| lost.path == *name);
-        let others = lists
-            .whole
-            .iter()
-            .map(|(name, _)| name)
-            .filter(|name| **name != list);
+        blobs.forget(earlier.as_ref(), &manifest)?;
         Ok(BackedUp {
             folder: self.folder.clone(),
             made_at: manifest.made_at,
             files: manifest.files.len(),
             database_bytes: manifest.database.size_bytes,
-            copied: shelf.copied.0,
-            copied_bytes: shelf.copied.1,
-            mended: shelf.count_of(&damaged),
-            earlier: others.filter(|name| !is_lost(name)).cloned().collect(),
-            list,
+            copied: blobs.copied.0,
+            copied_bytes: blobs.copied.1,
             left_out: manifest.left_out,
-            damaged: lists.damaged,
         })
     }
 
@@ -175,18 +152,18 @@ fn gathered(
     context: &Context,
     copy: &Store,
     earlier: Option<&Manifest>,
-    shelf: &mut Shelf,
+    blobs: &mut Blobs,
     observer: &dyn Observer,
 ) -> Result<(Vec<StoredFile>, Vec<LeftOut>), PipelineError> {
     let mut omitted = Omitted::default();
-    let mut files = raw_files(context, copy, shelf, observer, &mut omitted.unread)?;
-    files.extend(journal::kept(context, copy, earlier, shelf, &mut omitted.never)?);
+    let mut files = raw_files(context, copy, blobs, observer, &mut omitted.unread)?;
+    files.extend(kept_words(context, copy, earlier, blobs)?);
     for wanted in listed(context, copy, &mut omitted)? {
         interrupt::check();
-        files.extend(kept(context, &wanted, shelf, &mut omitted.unread)?);
+        files.extend(kept(context, &wanted, blobs, &mut omitted.unread)?);
     }
-    shelf.write()?;
-    files.extend(omitted.of_earlier(earlier, &files, shelf));
+    blobs.write()?;
+    files.extend(omitted.of_earlier(earlier, &files, blobs));
     // What could not be restored everywhere is no part of a backup.
     files.retain(|file| match place(&file.path) {
         Ok(_) => true,
@@ -199,12 +176,33 @@ fn gathered(
     Ok((files, omitted.sorted()))
 }
 
+/// Copies the words, where anything was said.
+fn kept_words(
+    context: &Context,
+    copy: &Store,
+    earlier: Option<&Manifest>,
+    blobs: &mut Blobs,
+) -> Result<Option<StoredFile>, PipelineError> {
+    let earlier = earlier.and_then(|list| list.file(JOURNAL));
+    let Some(bytes) = words::read(context, copy, earlier)? else {
+        return Ok(None);
+    };
+    let stored = StoredFile {
+        path: JOURNAL.to_owned(),
+        size_bytes: bytes.len() as u64,
+        blake3: archive::hash(&bytes),
+        modified_ns: 0,
+    };
+    blobs.keep(stored.blake3.clone(), bytes, Path::new(JOURNAL))?;
+    Ok(Some(stored))
+}
+
 /// Copies raw files that are not there yet: those of the archive, and those that the database names. One that the archive
 /// lost is in the backup if an earlier one took it.
 fn raw_files(
     context: &Context,
     copy: &Store,
-    shelf: &mut Shelf,
+    blobs: &mut Blobs,
     observer: &dyn Observer,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<Vec<StoredFile>, PipelineError> {
@@ -224,9 +222,9 @@ fn raw_files(
     for (hash, path, size_bytes) in wanted {
         interrupt::check();
         observer.advance();
-        if !shelf.holds(&hash, size_bytes) {
+        if !blobs.holds(&hash, size_bytes) {
             match archive.read(&hash) {
-                Ok(bytes) => shelf.keep(hash.clone(), bytes, Path::new(&path))?,
+                Ok(bytes) => blobs.keep(hash.clone(), bytes, Path::new(&path))?,
                 Err(error) => {
                     left_out.push(reason(&path, &format!("{error}")));
                     continue;
@@ -248,7 +246,7 @@ fn raw_files(
 fn kept(
     context: &Context,
     wanted: &Wanted,
-    shelf: &mut Shelf,
+    blobs: &mut Blobs,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<Option<StoredFile>, PipelineError> {
     let stored = |blake3: String, size_bytes: u64| StoredFile {
@@ -260,14 +258,14 @@ fn kept(
     if let Some(hash) = wanted
         .hash
         .as_ref()
-        .filter(|hash| shelf.holds(hash, wanted.size_bytes))
+        .filter(|hash| blobs.holds(hash, wanted.size_bytes))
     {
         return Ok(Some(stored(hash.clone(), wanted.size_bytes)));
     }
     match (context.read_file)(&wanted.location, LARGEST_FILE_BYTES) {
         Ok(bytes) => {
             let (hash, size_bytes) = (archive::hash(&bytes), bytes.len() as u64);
-            shelf.keep(hash.clone(), bytes, &wanted.location)?;
+            blobs.keep(hash.clone(), bytes, &wanted.location)?;
             Ok(Some(stored(hash, size_bytes)))
         }
         Err(error) => {

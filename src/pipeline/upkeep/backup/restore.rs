@@ -8,25 +8,24 @@ use std::time::{Duration, SystemTime};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::blobs::{DATABASE, is_database};
 use super::contents::reason;
-use super::lists;
 use super::making::Making;
-#[cfg(unix)]
-use super::manifest::JOURNAL;
-use super::manifest::{LeftOut, Manifest, StoredFile};
+use super::manifest::{FILE_NAME, JOURNAL, LeftOut, Manifest, StoredFile};
 use super::place::place;
-use super::shelf::{DATABASE, is_database};
+use super::words;
 use crate::ingest::archive::{Archive, hash_of_file};
+use crate::ingest::campaign_file;
 use crate::pipeline::infra::error::BackupError;
-use crate::pipeline::upkeep::status::{self, Status};
-use crate::pipeline::{Context, Observer, PipelineError, failed};
-use crate::store::FILE_NAME as DATABASE_NAME;
+use crate::pipeline::upkeep::verify::archive::wanted;
+use crate::pipeline::{Observer, PipelineError, failed};
+use crate::store::{FILE_NAME as DATABASE_NAME, Store};
 use crate::system::fs;
 
 /// The verb `restore`.
 #[derive(Debug, Clone)]
 pub struct Restore {
-    /// Folder of the backup, or one of the lists in it.
+    /// Folder of the backup.
     pub backup: PathBuf,
     /// Folder of the campaign to be: not there yet, or empty.
     pub folder: PathBuf,
@@ -43,7 +42,7 @@ pub struct Restored {
     pub made_at: String,
     /// Files that were restored, with the database.
     pub files: usize,
-    /// Current runs in the restored database; none where the database could not be restored.
+    /// Current runs, spectra and modulus logs in the restored database; none where the database could not be restored.
     pub runs: Option<usize>,
     /// What the backup does not hold, and said so when it was made.
     pub left_out: Vec<LeftOut>,
@@ -52,42 +51,25 @@ pub struct Restored {
 }
 
 impl Restore {
-    /// Copies every file, each held against its hash, into a folder beside the new one, opens the campaign there and looks
-    /// it through as `status` does, and gives the folder its name.
+    /// Copies every file, each held against its hash, into a folder beside the new one, looks through what is there then, and
+    /// gives the folder its name. What campaign.toml says is not asked.
     ///
     /// # Errors
     /// There is no backup, it is damaged, the new folder is not empty, the result does not hold, or a disk refuses.
     /// Nothing is left then.
     pub fn run(&self, observer: &dyn Observer) -> Result<Restored, PipelineError> {
-        let (backup, list) = lists::meant(&self.backup);
-        self.restored(&backup, &list, observer)
-            .map_err(|error| match error {
-                PipelineError::Backup(error) => error.with_others(lists::others(&backup, &list)).into(),
-                error => error,
-            })
-    }
-
-    fn restored(
-        &self,
-        backup: &Path,
-        list: &Path,
-        observer: &dyn Observer,
-    ) -> Result<Restored, PipelineError> {
-        let Some(manifest) = Manifest::read(list)? else {
-            return Err(BackupError::NoBackup {
-                folder: self.backup.clone(),
-                others: String::new(),
-            }
-            .into());
+        let backup = self.backup.as_path();
+        let Some(manifest) = Manifest::read(backup)? else {
+            let folder = backup.to_owned();
+            return Err(BackupError::NoBackup { folder }.into());
         };
         // Before anything is written.
         let (placed, mut lost) = places(&manifest);
         if let (false, Some(first)) = (self.damaged, lost.first()) {
             return Err(BackupError::OutOfPlace {
-                path: list.to_owned(),
+                path: backup.join(FILE_NAME),
                 count: lost.len(),
                 first: told(first),
-                others: String::new(),
             }
             .into());
         }
@@ -103,7 +85,6 @@ impl Restore {
                 folder: backup.to_owned(),
                 count: lost.len(),
                 first: told(first),
-                others: String::new(),
             }
             .into());
         }
@@ -251,52 +232,50 @@ fn is_raw(path: &str) -> bool {
     path.starts_with("archive/") && path != JOURNAL
 }
 
-/// Opens what was restored and looks it through; gives the number of current runs.
+/// Looks through what was restored: every checksum of the database, whether words and raw files hold what it names; gives the
+/// number of current runs.
 fn drill(
     folder: &Path,
     manifest: &Manifest,
     lost: &mut Vec<LeftOut>,
     damaged: bool,
 ) -> Result<usize, PipelineError> {
-    let fails = |detail: String| BackupError::DrillFailed { detail };
-    let status: Status = {
-        let context = Context::open_as_it_is(folder)?;
-        if let Some(detail) = context.store.check_all()?.into_iter().next() {
-            return Err(fails(detail).into());
+    let fails = |detail: String| PipelineError::from(BackupError::DrillFailed { detail });
+    let store = Store::open_copy(&folder.join(DATABASE_NAME))?;
+    if let Some(detail) = store.check_all()?.into_iter().next() {
+        return Err(fails(detail));
+    }
+    let changes = store.changes()?.0;
+    if changes != manifest.changes {
+        return Err(fails(format!(
+            "the database has seen {changes} changes, {} were backed up",
+            manifest.changes
+        )));
+    }
+    let is_lost = |path: &str, lost: &[LeftOut]| lost.iter().any(|lost| lost.path == path);
+    if let Some(detail) =
+        words::what_they_lack(&words::of(folder)?, &store)?.filter(|_| !is_lost(JOURNAL, lost))
+    {
+        return Err(fails(format!("{JOURNAL}: {detail}")));
+    }
+    for missing in Archive::new(folder).missing(&wanted(&store.contents()?))? {
+        let path = missing.wanted.path;
+        if manifest.left_out.iter().any(|left| left.path == path) || is_lost(&path, lost) {
+            continue;
         }
-        let changes = context.store.changes()?.0;
-        if changes != manifest.changes {
-            let detail = format!(
-                "the database has seen {changes} changes, {} were backed up",
-                manifest.changes
-            );
-            return Err(fails(detail).into());
+        if !damaged {
+            return Err(fails(format!("the raw file {path} is not in the archive")));
         }
-        let runs = folder.join(&context.campaign.runs_folder);
-        // It may have been empty, and a campaign without it would wait for a disk.
-        fs::create_dir_all(&runs).map_err(failed(&runs, "making the folder of runs"))?;
-        status::status(&context)?
-    };
-    let unknown = status.raw_files_lost.iter().filter(|raw| {
-        !manifest
-            .left_out
-            .iter()
-            .any(|left| raw.issues.iter().any(|issue| issue.place == left.path))
-    });
-    for raw in unknown {
-        if damaged {
-            lost.push(reason(&raw.path, "its raw file is not in the archive"))
-        } else {
-            return Err(fails(format!("the raw file of {} is not in the archive", raw.path)).into());
-        }
+        lost.push(reason(&path, "the raw file is not in the archive"));
     }
     lost.sort();
     lost.dedup_by(|a, b| a.path == b.path);
-    // SQLite's companions of a database that was only read.
-    for companion in ["-wal", "-shm"] {
-        let _ = fs::remove_file(folder.join(format!("{DATABASE_NAME}{companion}")));
+    // It may have been empty, and a campaign without it would wait for a disk.
+    if let Ok(stated) = campaign_file::read(folder) {
+        let runs = folder.join(&stated.campaign.runs_folder);
+        fs::create_dir_all(&runs).map_err(failed(&runs, "making the folder of runs"))?;
     }
-    Ok(status.runs)
+    Ok(store.run_names()?.len())
 }
 
 /// Brings everything to the disk before it gets its name.

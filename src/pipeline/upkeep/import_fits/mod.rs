@@ -14,12 +14,13 @@ use serde::Serialize;
 
 use crate::domain::{AskedFit, Fit, Issue};
 use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::derived::{Holding, Inputs};
 use crate::pipeline::fits::outcome::{NOT_FITTED, store};
-use crate::pipeline::fits::plan::fit_plan;
+use crate::pipeline::fits::plan::{Planned, fit_plan};
 use crate::pipeline::fits::result::FitResult;
 use crate::pipeline::fits::runs::Due;
 use crate::pipeline::{Context, Observer, PipelineError, failed};
-use crate::store::{NewResult, ResultKind, RunThen, Subject};
+use crate::store::{NewResult, ResultKind, Subject};
 use crate::system::fs;
 use again::Again;
 
@@ -169,6 +170,16 @@ impl Known {
         };
         Ok(self.plans[at].1.get(run))
     }
+
+    /// What the fits that were asked for so far depend on now.
+    fn inputs_now(&self, context: &Context) -> Result<BTreeSet<Inputs>, PipelineError> {
+        let mut inputs = BTreeSet::new();
+        for (asked, _) in &self.plans {
+            let keyed = fit_plan(context, asked)?.keyed().into_values();
+            inputs.extend(keyed.map(|(key, run)| (key, vec![run.task.run_id])));
+        }
+        Ok(inputs)
+    }
 }
 
 /// The rows that are of runs of this campaign, as they are now, and whose results it does not have yet.
@@ -216,19 +227,29 @@ fn take(
         let both = due.and_then(|due| Some((due.1.clone(), row.result.outcome()?)));
         of_each.extend(both.map(|(planned, found)| (row, planned, found)));
     }
-    let made_from: Vec<[RunThen<'_>; 1]> = of_each.iter().map(|(_, run, _)| [run.task.then()]).collect();
-    let results = of_each
-        .iter()
-        .zip(&made_from)
-        .map(|((row, _, found), made_from)| NewResult {
-            of: Subject::Run(made_from[0].run_id),
-            made_from,
-            key: &row.result.input_hash,
-            version: &row.result.code_version,
-            found: *found,
-        });
-    let results: Vec<NewResult<'_, Fit>> = results.collect();
-    let kept = store(context, &results, of_each.iter().map(|(_, run, _)| run))?;
+    let kept =
+        Holding::of(|context: &Context| known.inputs_now(context)).step(context, |context, inputs| {
+            let holds = |(row, run): (&Row, &Planned)| {
+                inputs.contains(&(row.result.input_hash.clone(), vec![run.task.run_id]))
+            };
+            let is_so: Vec<bool> = of_each.iter().map(|(row, run, _)| holds((row, run))).collect();
+            let holding = || of_each.iter().zip(&is_so).filter(|(_, is_so)| **is_so);
+            let ids: Vec<[i64; 1]> = holding().map(|((_, run, _), _)| [run.task.run_id]).collect();
+            let results = holding().zip(&ids).map(|(((row, _, found), _), ids)| NewResult {
+                of: Subject::Run(ids[0]),
+                made_from: ids,
+                key: &row.result.input_hash,
+                version: &row.result.code_version,
+                found: *found,
+            });
+            let results: Vec<NewResult<'_, Fit>> = results.collect();
+            let mut kept = store(context, &results, holding().map(|((_, run, _), _)| run))?.into_iter();
+            let kept: Vec<bool> = is_so
+                .iter()
+                .map(|is_so| *is_so && kept.next() == Some(true))
+                .collect();
+            Ok(kept)
+        })?;
     for (kept, (row, _, found)) in kept.into_iter().zip(&of_each) {
         match found {
             _ if !kept => {

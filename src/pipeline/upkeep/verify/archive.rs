@@ -24,13 +24,7 @@ pub fn part(context: &Context, observer: &dyn Observer) -> Result<Part, Pipeline
     let Ok(contents) = context.store.contents() else {
         return alone(&context.folder);
     };
-    let wanted: Vec<Archived> = (contents.into_iter())
-        .map(|content| Archived {
-            hash: content.hash,
-            path: content.archive_path,
-            size_bytes: content.size_bytes,
-        })
-        .collect();
+    let wanted = wanted(&contents);
     let named: BTreeSet<&str> = wanted.iter().map(|wanted| wanted.hash.as_str()).collect();
     let mut beside = archive.entries()?;
     beside.retain(|entry| !named.contains(entry.hash.as_str()));
@@ -60,6 +54,16 @@ pub fn part(context: &Context, observer: &dyn Observer) -> Result<Part, Pipeline
     })
 }
 
+/// What the archive must hold of what a database names.
+pub fn wanted(contents: &[RunContent]) -> Vec<Archived> {
+    let of = |content: &RunContent| Archived {
+        hash: content.hash.clone(),
+        path: content.archive_path.clone(),
+        size_bytes: content.size_bytes,
+    };
+    contents.iter().map(of).collect()
+}
+
 /// The same where no database says which files there should be.
 ///
 /// # Errors
@@ -84,17 +88,11 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
 /// The database or the archive cannot be read.
 pub fn raw_files_lost(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {
     let contents = context.store.contents()?;
-    let of = |content: &RunContent| Archived {
-        hash: content.hash.clone(),
-        path: content.archive_path.clone(),
-        size_bytes: content.size_bytes,
-    };
-    let wanted: Vec<Archived> = contents.iter().map(of).collect();
     let path_of = |hash: &str| {
         let at = contents.binary_search_by(|content| content.hash.as_str().cmp(hash));
         at.map_or_else(|_| String::new(), |at| contents[at].path.clone())
     };
-    let lost = Archive::new(&context.folder).missing(&wanted)?;
+    let lost = Archive::new(&context.folder).missing(&wanted(&contents))?;
     let reasoned = |finding: BlobFinding| Reasoned {
         path: path_of(&finding.wanted.hash),
         issues: vec![finding.issue()],

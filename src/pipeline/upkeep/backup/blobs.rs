@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::manifest::{self, StoredFile};
-use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, hash_of_file, is_hash};
+use super::manifest::{self, Manifest};
+use crate::ingest::archive::{Archive, Archived, FOLDER, Incoming, is_hash};
 use crate::pipeline::infra::error::BackupError;
 use crate::pipeline::{PipelineError, failed};
 use crate::store::InstanceLock;
@@ -20,7 +20,7 @@ const MOST_FILES: usize = 128;
 const MOST_BYTES: usize = 16 << 20;
 
 /// The folder of a backup under way.
-pub struct Shelf {
+pub struct Blobs {
     folder: PathBuf,
     archive: Archive,
     /// Sizes of what is there, bytes, by hash.
@@ -33,12 +33,12 @@ pub struct Shelf {
     _lock: InstanceLock,
 }
 
-impl Shelf {
+impl Blobs {
     /// Opens the folder for a backup of the database with that id; makes it where there is none.
     ///
     /// # Errors
     /// It lies in the campaign, holds something else, is of another database, or cannot be written.
-    pub fn open(folder: &Path, campaign: &Path, id: &str) -> Result<Shelf, PipelineError> {
+    pub fn open(folder: &Path, campaign: &Path, id: &str) -> Result<Blobs, PipelineError> {
         let absolute = std::path::absolute(folder).map_err(failed(folder, "finding the folder"))?;
         let existing = absolute.ancestors().find_map(|above| above.canonicalize().ok());
         let inside = match (existing, campaign.canonicalize()) {
@@ -68,7 +68,7 @@ impl Shelf {
         let lock = InstanceLock::take(folder)?;
         archive.set_owner(id)?;
         archive.remove_partial()?;
-        Ok(Shelf {
+        Ok(Blobs {
             there: (archive.entries()?.into_iter())
                 .map(|entry| (entry.hash, entry.size_bytes))
                 .collect(),
@@ -80,31 +80,9 @@ impl Shelf {
         })
     }
 
-    /// Reads every file that is there; those that are damaged are forgotten, to be copied again. Gives their hashes.
-    ///
-    /// # Errors
-    /// The folder cannot be read.
-    pub fn check_all(&mut self) -> Result<Vec<String>, PipelineError> {
-        let damaged = self.archive.verify(&self.archive.entries()?)?;
-        let hashes = damaged.into_iter().map(|finding| finding.wanted.hash);
-        let hashes: Vec<String> = hashes.collect();
-        hashes.iter().for_each(|hash| {
-            self.there.remove(hash);
-        });
-        Ok(hashes)
-    }
-
     /// Whether bytes with that hash are there; looked at is their size.
     pub fn holds(&self, hash: &str, size_bytes: u64) -> bool {
         self.there.get(hash) == Some(&size_bytes)
-    }
-
-    /// How many of these hashes are there.
-    pub fn count_of(&self, hashes: &[String]) -> usize {
-        hashes
-            .iter()
-            .filter(|hash| self.there.contains_key(*hash))
-            .count()
     }
 
     /// Keeps bytes under their hash, unless they are there.
@@ -128,7 +106,7 @@ impl Shelf {
     /// Writes what waits: when this returns it is on the disk, and was read back.
     ///
     /// # Errors
-    /// As [`Shelf::keep`].
+    /// As [`Blobs::keep`].
     pub fn write(&mut self) -> Result<(), PipelineError> {
         let waiting = std::mem::take(&mut self.waiting);
         let incoming: Vec<Incoming<'_>> = waiting
@@ -150,43 +128,27 @@ impl Shelf {
         Ok(())
     }
 
-    /// The bytes with that hash, checked.
-    ///
-    /// # Errors
-    /// They are not there, damaged, or cannot be read.
-    pub fn read(&self, hash: &str) -> Result<Vec<u8>, PipelineError> {
-        Ok(self.archive.read(hash)?)
-    }
-
-    /// Whether a copy of the database is there; looked at is its size, and asked for deeply its bytes.
-    pub fn holds_database(&self, database: &StoredFile, deep: bool) -> bool {
-        let path = self.folder.join(&database.path);
-        let is_there = fs::symlink_metadata(&path)
-            .is_ok_and(|found| found.is_file() && found.len() == database.size_bytes);
-        is_there && (!deep || hash_of_file(&path).is_ok_and(|(hash, _)| hash == database.blake3))
-    }
-
-    /// Removes bytes that no list names.
+    /// Removes what only the list before it named, raw files left out, and every other copy of the database.
     ///
     /// # Errors
     /// The disk refuses.
-    pub fn forget<'a>(&self, hashes: impl Iterator<Item = &'a str>) -> Result<(), PipelineError> {
-        let hashes: BTreeSet<&str> = hashes.filter(|hash| self.there.contains_key(*hash)).collect();
-        for hash in hashes {
+    pub fn forget(&self, earlier: Option<&Manifest>, now: &Manifest) -> Result<(), PipelineError> {
+        let named: BTreeSet<&str> = now.hashes().collect();
+        let earlier = earlier.iter().flat_map(|list| list.hashes_to_forget());
+        let gone: BTreeSet<&str> = earlier
+            .filter(|hash| !named.contains(hash) && self.there.contains_key(*hash))
+            .collect();
+        for hash in gone {
             let path = self.archive.find(hash)?;
             fs::remove_file(&path).map_err(failed(&path, "removing"))?;
         }
-        Ok(())
-    }
-
-    /// Removes copies of the database by their names.
-    ///
-    /// # Errors
-    /// The disk refuses.
-    pub fn forget_databases(&self, goes: impl Fn(&str) -> bool) -> Result<(), PipelineError> {
-        for name in databases(&self.folder)?.into_iter().filter(|name| goes(name)) {
-            let path = self.folder.join(name);
-            fs::remove_file(&path).map_err(failed(&path, "removing"))?;
+        let entries = fs::entries(&self.folder).map_err(failed(&self.folder, "looking into it"))?;
+        for entry in entries {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if is_database(&name) && name != now.database.path {
+                let path = self.folder.join(name);
+                fs::remove_file(&path).map_err(failed(&path, "removing"))?;
+            }
         }
         Ok(())
     }
@@ -203,7 +165,6 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
         let entry = entry.map_err(failed(folder, "looking into it"))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let ours = is_database(&name)
-            || manifest::number_in(&name).is_some()
             || [FOLDER, manifest::FILE_NAME, InstanceLock::FILE_NAME].contains(&name.as_str())
             // Of a list that was cut short, or of a file manager.
             || name.starts_with('.');
@@ -219,12 +180,4 @@ fn refuse_other(folder: &Path, is_begun: bool) -> Result<(), PipelineError> {
 pub(super) fn is_database(name: &str) -> bool {
     let hash = name.strip_prefix(DATABASE);
     hash.is_some_and(|hash| hash == UNFINISHED || is_hash(hash))
-}
-
-fn databases(folder: &Path) -> Result<Vec<String>, PipelineError> {
-    let entries = fs::entries(folder).map_err(failed(folder, "looking into it"))?;
-    let names = entries
-        .iter()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned());
-    Ok(names.filter(|name| is_database(name)).collect())
 }
