@@ -79,6 +79,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("edges-in-a-pause", By("crates/ingest/src/drive/tests.rs", "a_pause_in_which_edges_would_not_be_seen_is_told")),
     ("empty-column", Format("chi-text/dpv.column_without_values.txt")),
     ("empty-file", Format("plain-table/pending.empty.csv")),
+    ("ended-program", By("tests/it/hostile.rs", "a_file_that_ends_the_program_is_refused_at_the_next_look_until_it_changes")),
     ("few-frequencies", By("crates/fit/src/impedance/tests.rs", "few_frequencies_are_refused")),
     ("file-cut", Format("picolog/log.cut.csv")),
     ("fit-fault", Open("a fault of the program: none is known")),
