@@ -9,14 +9,22 @@ use zip::write::SimpleFileOptions;
 
 use crate::samples;
 
-/// Name and bytes of each.
-pub fn all() -> Vec<(String, Vec<u8>)> {
+/// Files of little that lead back into themselves, or declare much: name and bytes of each.
+pub fn small() -> Vec<(String, Vec<u8>)> {
     let mut all = compound_files();
-    all.extend(workbooks());
+    all.extend(packed(declaring_workbooks()));
+    all.push(("wide.png".to_owned(), png(40_000, 2)));
+    all
+}
+
+/// Small files that unpack to much.
+pub fn large() -> Vec<(String, Vec<u8>)> {
+    let mut all = packed(large_workbooks());
+    let inner = zipped(&[("xl/a.xml", vec![b' '; 100 << 20])]);
+    all.push(("nested.xlsx".to_owned(), zipped(&[("xl/inner.zip", inner)])));
     all.extend(packed_texts());
     all.extend(matlab_files());
     all.push(("flat.png".to_owned(), png(6900, 6900)));
-    all.push(("wide.png".to_owned(), png(40_000, 2)));
     all.push(("equal.parquet".to_owned(), equal_parquet(1 << 20, 40)));
     all
 }
@@ -152,51 +160,126 @@ fn sheet_of(inside: &str) -> String {
     format!(r#"<worksheet xmlns="{MAIN}"><sheetData>{inside}</sheetData></worksheet>"#)
 }
 
-fn workbooks() -> Vec<(String, Vec<u8>)> {
+fn packed(books: Vec<(&str, Book)>) -> Vec<(String, Vec<u8>)> {
+    let of = |(name, book): (&str, Book)| (format!("{name}.xlsx"), book.packed());
+    books.into_iter().map(of).collect()
+}
+
+/// That many sheets, which are one part.
+fn sheets(count: usize) -> String {
     let named = |k: usize| format!(r#"<sheet name="s{k}" sheetId="{k}" r:id="r1"/>"#);
-    let sheets = |count: usize| (1..=count).map(named).collect::<String>();
-    let sheet = |inside: String| Book {
-        sheet: sheet_of(&inside),
+    (1..=count).map(named).collect()
+}
+
+/// A workbook with this sheet.
+fn sheet(inside: &str) -> Book {
+    Book {
+        sheet: sheet_of(inside),
         ..Book::default()
+    }
+}
+
+fn declaring_workbooks() -> Vec<(&'static str, Book)> {
+    let cell = |row: u32, column: &str, inside: &str| {
+        format!(r#"<row r="{row}"><c r="{column}{row}">{inside}</c></row>"#)
     };
+    let (value, formula) = ("<v>1</v>", "<f>B1</f>");
+    let far = |inside: &str| sheet(&(cell(1_048_576, "XFD", inside) + &cell(1, "A", inside)));
+    let shared = r#"<f t="shared" si="4000000000" ref="A1:A2">B1</f><v>1</v>"#;
+    vec![
+        (
+            "many_sheets",
+            Book {
+                sheets: sheets(100_000),
+                ..Book::default()
+            },
+        ),
+        ("far_cells", far(value)),
+        ("far_formulas", far(formula)),
+        ("shared_formula", sheet(&cell(1, "A", shared))),
+        (
+            "declared_texts",
+            Book {
+                shared: r#"<sst uniqueCount="1000000000000"></sst>"#.to_owned(),
+                ..Book::default()
+            },
+        ),
+    ]
+}
+
+fn large_workbooks() -> Vec<(&'static str, Book)> {
+    let cells = |inside: &str, rows: usize| format!("<row>{}</row>", inside.repeat(50)).repeat(rows);
+    let turned = r#"<row r="1"><c r="A1"><v>1</v></c></row><row r="2"><c r="A2"><v>1</v></c></row>"#;
+    let list = |texts: String| format!("<sst>{texts}</sst>");
+    let styles = |inside: String| format!("<styleSheet>{inside}</styleSheet>");
     let text = "x".repeat(30_000);
-    let cell = |inside: &str| format!("<row>{}</row>", inside.repeat(50));
-    let books: Vec<(&str, Book)> = vec![
-        ("many_sheets", Book { sheets: sheets(100_000), ..Book::default() }),
-        ("one_part_for_all", Book { sheets: sheets(1000), sheet: sheet_of(&"<row/>".repeat(1 << 20)), ..Book::default() }),
-        ("cells_for_all", Book { sheets: sheets(1000), sheet: sheet_of(&cell("<c><v>1</v></c>").repeat(1000)), ..Book::default() }),
-        ("far_cells", sheet(r#"<row r="1048576"><c r="XFD1048576"><v>1</v></c></row><row r="1"><c r="A1"><v>1</v></c></row>"#.to_owned())),
-        ("far_formulas", sheet(r#"<row r="1"><c r="A1"><f>B1</f></c></row><row r="1048576"><c r="XFD1048576"><f>B1</f></c></row>"#.to_owned())),
-        ("shared_formula", sheet(r#"<row><c><f t="shared" si="4000000000" ref="A1:A2">B1</f><v>1</v></c></row>"#.to_owned())),
-        ("many_cells", sheet(cell("<c><v>1</v></c>").repeat(80_000))),
-        ("rows_out_of_order", sheet(r#"<row r="1"><c r="A1"><v>1</v></c></row><row r="2"><c r="A2"><v>1</v></c></row>"#.repeat(600_000))),
-        ("deep", sheet("<a>".repeat(20_000_000))),
-        ("declared_texts", Book { shared: r#"<sst uniqueCount="1000000000000"></sst>"#.to_owned(), ..Book::default() }),
-        ("many_texts", Book { shared: format!("<sst>{}</sst>", "<si/>".repeat(12_000_000)), ..Book::default() }),
-        ("long_text", Book { shared: format!("<sst><si><t>{}</t></si></sst>", "x".repeat(60 << 20)), ..Book::default() }),
-        ("one_text_for_all", Book {
-            shared: format!("<sst><si><t>{text}</t></si></sst>"),
-            sheet: sheet_of(&cell(r#"<c t="s"><v>0</v></c>"#).repeat(10_000)),
-            ..Book::default()
-        }),
-        ("formats", Book { styles: format!("<styleSheet><cellXfs>{}</cellXfs></styleSheet>", "<xf/>".repeat(12_000_000)), ..Book::default() }),
-        ("copied_font", Book {
-            styles: format!(
-                r#"<styleSheet><fonts><font><name val="{}"/></font></fonts><cellXfs>{}</cellXfs></styleSheet>"#,
-                "x".repeat(1 << 20),
-                r#"<xf fontId="0"/>"#.repeat(60_000)
-            ),
-            ..Book::default()
-        }),
-        ("bomb", Book { other: vec![0; 200 << 20], ..Book::default() }),
-    ];
-    let mut found: Vec<(String, Vec<u8>)> = books
-        .into_iter()
-        .map(|(name, book)| (format!("{name}.xlsx"), book.packed()))
-        .collect();
-    let inner = zipped(&[("xl/a.xml", vec![b' '; 100 << 20])]);
-    found.push(("nested.xlsx".to_owned(), zipped(&[("xl/inner.zip", inner)])));
-    found
+    let font = format!(
+        r#"<fonts><font><name val="{}"/></font></fonts>"#,
+        "x".repeat(1 << 20)
+    );
+    let formats = |format: &str, count: usize| format!("<cellXfs>{}</cellXfs>", format.repeat(count));
+    let plain = Book::default;
+    vec![
+        (
+            "one_part_for_all",
+            Book {
+                sheets: sheets(1000),
+                ..sheet(&"<row/>".repeat(1 << 20))
+            },
+        ),
+        (
+            "cells_for_all",
+            Book {
+                sheets: sheets(1000),
+                ..sheet(&cells("<c><v>1</v></c>", 1000))
+            },
+        ),
+        ("many_cells", sheet(&cells("<c><v>1</v></c>", 80_000))),
+        ("rows_out_of_order", sheet(&turned.repeat(600_000))),
+        ("deep", sheet(&"<a>".repeat(20_000_000))),
+        (
+            "many_texts",
+            Book {
+                shared: list("<si/>".repeat(12_000_000)),
+                ..plain()
+            },
+        ),
+        (
+            "long_text",
+            Book {
+                shared: list(format!("<si><t>{}</t></si>", "x".repeat(60 << 20))),
+                ..plain()
+            },
+        ),
+        (
+            "one_text_for_all",
+            Book {
+                shared: list(format!("<si><t>{text}</t></si>")),
+                ..sheet(&cells(r#"<c t="s"><v>0</v></c>"#, 10_000))
+            },
+        ),
+        (
+            "formats",
+            Book {
+                styles: styles(formats("<xf/>", 12_000_000)),
+                ..plain()
+            },
+        ),
+        (
+            "copied_font",
+            Book {
+                styles: styles(font + &formats(r#"<xf fontId="0"/>"#, 60_000)),
+                ..plain()
+            },
+        ),
+        (
+            "bomb",
+            Book {
+                other: vec![0; 200 << 20],
+                ..plain()
+            },
+        ),
+    ]
 }
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {

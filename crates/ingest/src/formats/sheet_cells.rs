@@ -170,14 +170,14 @@ struct Counted<'a> {
 impl Counted<'_> {
     /// Times that a workbook is read: its parts once to be known and once for their cells, once more for what is merged.
     const TIMES: u64 = 4;
-    /// Bytes that are read ahead of each sheet and not used.
-    const AHEAD: u64 = 64 << 10;
+    /// Bytes of the head of a part, which is read for each sheet.
+    const HEAD: u64 = 256;
 
     fn of(bytes: &[u8]) -> Counted<'_> {
-        let ahead = Counted::AHEAD * workbook_parts::MOST_SHEETS as u64;
+        let heads = Counted::HEAD * workbook_parts::MOST_SHEETS as u64;
         Counted {
             bytes: Cursor::new(bytes),
-            left: bytes.len() as u64 * Counted::TIMES + ahead,
+            left: bytes.len() as u64 * Counted::TIMES + heads,
         }
     }
 }
