@@ -267,12 +267,21 @@ fn the_run_beside_hostile_files_is_taken_and_they_are_refused_by_name() {
         assert!(!issue["mend"].as_str().unwrap().is_empty(), "{file}");
         assert_ne!(issue["code"], "reader-fault", "{file}");
     }
-    assert!(
-        refused.len() * 10 > made.len() * 8,
-        "{} of {}",
-        refused.len(),
-        made.len()
-    );
+    // Of others the damage reaches nothing that is read: they hold the run of the whole one, which counts once.
+    let loops = |name: &str| {
+        refused
+            .iter()
+            .any(|file| file["path"].as_str().is_some_and(|path| path.ends_with(name)))
+    };
+    for name in [
+        "chain.1.1.xls",
+        "chain.1.1.long.xls",
+        "protected.xlsx",
+        "many_sheets.xlsx",
+        "declared_texts.xlsx",
+    ] {
+        assert!(loops(name), "{name}: {refused:#?}");
+    }
 }
 
 /// A file during which the program died, and died again, is refused with that reason, and the run beside it is taken.
