@@ -315,6 +315,11 @@ fn a_file_that_ends_the_program_is_refused_at_the_next_look_until_it_changes() {
     );
     assert!(ended.stdout.contains("runs: 1 new"), "{ended:#?}");
     folder.ieap(&["ingest"]).expect(3);
+    let status = folder.ieap(&["status", "--json"]).expect(0).json();
+    assert_eq!(
+        status["status"]["refused"][0]["issues"][0]["code"],
+        "ended-program"
+    );
     // As it says: with a new time it is tried again.
     let later = std::time::SystemTime::now() + Duration::from_secs(60);
     let file = std::fs::File::options()
