@@ -234,10 +234,9 @@ mod tests {
         let bytes = archive(&[b' '; 100_000]);
         assert!(bytes.len() < 1_000);
         assert_eq!(check(&bytes, 100_000), Ok(()));
-        assert!(matches!(
-            check(&bytes, 99_999),
-            Err(ReadError::TooLarge { found: 100_000, .. })
-        ));
+        let refused = check(&bytes, 99_999).unwrap_err();
+        assert!(matches!(refused, ReadError::TooLarge { found: 100_000, .. }));
+        assert_eq!(refused.code(), "too-large");
     }
 
     #[test]
