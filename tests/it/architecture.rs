@@ -204,6 +204,51 @@ fn without_tests(text: &str) -> &str {
     text.split("#[cfg(test)]").next().unwrap_or_default()
 }
 
+/// What a stranger packed is opened where it is counted, and nowhere else.
+#[test]
+fn a_container_is_opened_through_one_door() {
+    let doors: [(&str, &[&str]); 12] = [
+        ("calamine", &["formats/sheet_cells.rs"]),
+        (
+            "zip",
+            &["formats/workbook_parts.rs", "src/pipeline/show/research_crate.rs"],
+        ),
+        // What is written packed is our own.
+        (
+            "flate2",
+            &[
+                "formats/unpacking.rs",
+                "print_figures/pdf.rs",
+                "report/src/readings_file.rs",
+            ],
+        ),
+        ("SerializedFileReader", &["formats/parquet/mod.rs"]),
+        ("png::Decoder", &["strip/src/decode.rs"]),
+        ("tiff", &["strip/src/decode.rs"]),
+        ("zune_jpeg", &["strip/src/decode.rs"]),
+        ("zstd", &["crates/store/src"]),
+        ("quick_xml", &[]),
+        ("cfb", &[]),
+        ("lz4", &[]),
+        ("snap", &[]),
+    ];
+    let is_of_tests = |file: &Path| {
+        let name = file.to_string_lossy();
+        name.ends_with("tests.rs") || name.ends_with("sheet_writer.rs")
+    };
+    for file in all_sources().into_iter().filter(|file| !is_of_tests(file)) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (library, places) in doors {
+            let is_word = |before: &str| !before.ends_with(|c: char| c.is_alphanumeric() || c == '_');
+            let call = format!("{library}::");
+            let mut uses = without_tests(&text).match_indices(&call);
+            let uses = uses.any(|(at, _)| is_word(&text[..at]));
+            let may = places.iter().any(|place| file.to_string_lossy().contains(place));
+            assert!(!uses || may, "{} opens by {library}", file.display());
+        }
+    }
+}
+
 #[test]
 fn results_and_files_go_through_one_door_each() {
     // Past them a result is lost without a word, or half a file is left.

@@ -1,17 +1,13 @@
 //! What holds for any bytes: no reader panics, and a cut never changes a number.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use ieap::ingest::formats::{ALL, ReadContext, ReadError, read};
 use ieap::ingest::profiles::{from_text, read as read_by};
 use ieap::ingest::{Reading, RunTable};
 use proptest::prelude::*;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 use crate::formats_fixtures::fixtures;
-use crate::mutations::mutated;
 
 /// Reads with every format, whatever recognition says.
 fn read_with_all(bytes: &[u8]) {
@@ -133,25 +129,6 @@ fn a_cut_never_changes_a_number_that_a_profile_reads() {
             .map(|(reading, _)| reading)
     };
     assert!(cuts_by("log.csv", text.as_bytes(), &by_profile) > 40);
-}
-
-/// The short form of `cargo run --example fuzz_readers`, which measures time and memory, too.
-#[test]
-#[ignore = "slow: cargo test -- --ignored"]
-fn files_made_worse_never_panic() {
-    let made = crate::samples::made().into_iter();
-    let made = made.map(|(id, name, bytes)| (id.to_owned(), PathBuf::from(name), bytes));
-    let fixtures: Vec<_> = fixtures().into_iter().chain(made).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(20_261_120);
-    let context = ReadContext::default();
-    for _ in 0..crate::campaign::counted(3_000, 100_000) {
-        let (id, path, bytes) = &fixtures[random.random_range(0..fixtures.len())];
-        let (_, _, other) = &fixtures[random.random_range(0..fixtures.len())];
-        let worse = mutated(bytes, other, 64 << 10, &mut random);
-        let _ = read(&path.file_name().unwrap().to_string_lossy(), &worse, &context);
-        let own = ALL.iter().find(|format| format.id() == id).unwrap();
-        let _ = own.read(&worse, &context);
-    }
 }
 
 fn assert_prefix(name: &str, end: usize, cut: &Reading, whole: &Reading) {

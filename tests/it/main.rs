@@ -47,6 +47,8 @@ mod help;
 mod hidden_across;
 mod hidden_effects;
 mod holdings;
+mod hostile;
+mod hostile_files;
 mod impedance;
 mod imports;
 mod init_from;

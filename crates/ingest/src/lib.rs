@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod arrays;
+pub mod being_read;
 pub mod campaign_file;
 pub mod climate_log;
 pub mod clocks;

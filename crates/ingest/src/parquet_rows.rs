@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use bytes::Bytes;
 use parquet::file::reader::FileReader;
-use parquet::file::serialized_reader::SerializedFileReader;
 use parquet::record::{Field, Row};
 use serde_json::Value;
+
+use crate::formats::parquet::opened;
+use crate::formats::unpacking;
 
 /// Cells of each row by the name of their column, as JSON has them; a column of dates, bytes or maps is left out.
 ///
@@ -15,17 +16,16 @@ use serde_json::Value;
 /// In words, why the file cannot be read.
 pub fn read(bytes: &[u8]) -> Result<Vec<BTreeMap<String, Value>>, String> {
     // The library ends by a panic on some damaged files.
-    let read = || rows(bytes).map_err(|error| error.to_string());
+    let read = || rows(bytes);
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err("the file is damaged".to_owned()))
 }
 
-fn rows(bytes: &[u8]) -> Result<Vec<BTreeMap<String, Value>>, parquet::errors::ParquetError> {
-    let reader = SerializedFileReader::new(Bytes::copy_from_slice(bytes))?;
-    let mut rows = Vec::new();
-    for row in reader.get_row_iter(None)? {
-        rows.push(cells(&row?).collect());
-    }
-    Ok(rows)
+fn rows(bytes: &[u8]) -> Result<Vec<BTreeMap<String, Value>>, String> {
+    let in_words = |error: parquet::errors::ParquetError| error.to_string();
+    let (reader, _) = opened(bytes, unpacking::MOST).map_err(|error| error.to_string())?;
+    let rows = reader.get_row_iter(None).map_err(in_words)?;
+    rows.map(|row| Ok(cells(&row.map_err(in_words)?).collect()))
+        .collect()
 }
 
 fn cells(row: &Row) -> impl Iterator<Item = (String, Value)> {

@@ -10,11 +10,11 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::gray::Gray;
 
 /// Pixels at most: a camera has fewer, and a file must not take all memory by what its header says.
-const MOST_PIXELS: usize = 64_000_000;
+const MOST_PIXELS: usize = 48_000_000;
 /// Columns or rows at most.
 const MOST_TO_A_SIDE: usize = 20_000;
-/// Bytes that a decoder may take beside the picture.
-const MOST_BYTES: usize = 8 * MOST_PIXELS;
+/// Bytes that a decoder may take beside the picture: with four for each of its pixels less than 512 MB.
+const MOST_BYTES: usize = 5 * MOST_PIXELS;
 
 /// Why a file gives no picture.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -135,6 +135,12 @@ fn png_within(bytes: &[u8], most_bytes: usize) -> Result<Gray, DecodeError> {
         width,
         height,
     })?;
+    if size > most_bytes {
+        return Err(damaged(
+            FORMAT,
+            format!("its samples take {size} bytes, {most_bytes} are read"),
+        ));
+    }
     let mut buffer = vec![0; size];
     let frame = reader
         .next_frame(&mut buffer)
@@ -252,18 +258,18 @@ fn gray(
     channels: usize,
     samples: impl Iterator<Item = f32>,
 ) -> Result<Gray, DecodeError> {
-    let values: Vec<f32> = match channels {
-        1 => samples.collect(),
-        _ => {
-            let samples: Vec<f32> = samples.collect();
-            let luminance = |pixel: &[f32]| match pixel {
-                [red, green, blue, ..] => 0.299 * red + 0.587 * green + 0.114 * blue,
-                [grey, ..] => *grey,
-                [] => 0.0,
-            };
-            samples.chunks_exact(channels.max(1)).map(luminance).collect()
+    let mut samples = samples;
+    let mut values = Vec::with_capacity(width * height);
+    // All samples of a large picture are not held beside its pixels.
+    while let Some(first) = samples.next() {
+        let further: [Option<f32>; 3] =
+            std::array::from_fn(|k| if k + 1 < channels { samples.next() } else { None });
+        match (channels, further) {
+            (1, _) | (2, [Some(_), ..]) => values.push(first),
+            (_, [Some(green), Some(blue), _]) => values.push(0.299 * first + 0.587 * green + 0.114 * blue),
+            _ => break,
         }
-    };
+    }
     Gray::new(width, height, values)
         .ok_or_else(|| damaged(format, "it has fewer pixels than its header says"))
 }

@@ -187,6 +187,7 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile], context: &
     if let Some(format) = strip::format(bytes) {
         return picture(file, format, bytes);
     }
+    let context = &context.within(bytes.len());
     let plain = unpacking::of_gzip(&name, bytes, context.max_unpacked_bytes);
     let chosen = plain.and_then(|(name, bytes)| Ok((profiles::choose(profiles, name, &bytes)?, bytes)));
     let (choice, bytes) = match chosen {

@@ -1,5 +1,5 @@
-//! Compound files, the containers of .xls, walked before the library that reads them does: a chain of sectors that
-//! leads back into itself would keep it busy until the memory is full.
+//! Compound files, the containers of .xls, walked here and written anew for the library that reads them: a chain of
+//! sectors that leads back into itself would keep it busy until the memory is full.
 //!
 //! After Microsoft's [MS-CFB]: a header, sectors of 512 or 4096 bytes, a table that gives the sector after each, and a
 //! folder of streams; streams below 4096 bytes lie in a stream of their own with sectors of 64 bytes.
@@ -57,6 +57,9 @@ pub fn stream(bytes: &[u8], names: &[&str]) -> Result<Vec<u8>, &'static str> {
             Some((file.chain(root.start, root.length)?, words(&table)))
         }
     };
+    if entries.iter().any(|entry| entry.name == "EncryptedPackage") {
+        return Err("it is protected by a password");
+    }
     let named = |name: &&str| entries.iter().find(|entry| entry.name.eq_ignore_ascii_case(name));
     let entry = names.iter().find_map(named).ok_or("it holds no workbook")?;
     match (entry.length < SMALL_BELOW, small) {
@@ -74,6 +77,9 @@ impl Compound<'_> {
         for _ in 0..=self.bytes.len() / self.sector_bytes {
             if list >= NO_SECTOR {
                 let tables = ids.iter().filter(|id| **id < NO_SECTOR);
+                if tables.clone().count() > self.bytes.len() / self.sector_bytes {
+                    return Err("its table of sectors is larger than the file");
+                }
                 let sectors: Option<Vec<Vec<u32>>> = tables.map(|id| self.sector(*id).map(words)).collect();
                 return Ok(sectors
                     .ok_or("its table of sectors lies beyond its end")?
@@ -142,6 +148,80 @@ fn chain(
     Err("a stream leads back into itself")
 }
 
+/// Most bytes of a stream that [`around`] takes: the header names that many tables of sectors.
+pub const MOST_AROUND: u64 = 400 << 20;
+
+/// A compound file that holds this stream alone, of at most [`MOST_AROUND`] bytes.
+pub fn around(name: &str, stream: &[u8]) -> Vec<u8> {
+    const SECTOR: usize = 4096;
+    const IDS: usize = SECTOR / 4;
+    const TABLE: u32 = 0xFFFF_FFFD;
+    let is_small = (stream.len() as u64) < SMALL_BELOW;
+    let of_stream = stream.len().div_ceil(SECTOR);
+    // Tables, the folder, the table of small sectors, the stream.
+    let before = 1 + usize::from(is_small);
+    let tables = (1..)
+        .find(|tables| tables * IDS >= tables + before + of_stream)
+        .unwrap_or(1);
+    let first = (tables + before) as u32;
+    let mut file = b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1".to_vec();
+    file.resize(SECTOR, 0);
+    for (at, short) in [(24, 0x3E), (26, 3), (28, 0xFFFE), (30, 12), (32, 6)] {
+        file[at..at + 2].copy_from_slice(&u16::to_le_bytes(short));
+    }
+    let small_table = if is_small { tables as u32 + 1 } else { END_OF_CHAIN };
+    let mut put = |at: usize, word: u32| file[at..at + 4].copy_from_slice(&word.to_le_bytes());
+    put(44, tables as u32);
+    put(48, tables as u32);
+    put(56, SMALL_BELOW as u32);
+    put(60, small_table);
+    put(64, u32::from(is_small));
+    put(68, END_OF_CHAIN);
+    (0..109).for_each(|k| put(76 + 4 * k, if k < tables { k as u32 } else { u32::MAX }));
+    let chain = |from: u32, count: usize| {
+        (1..=count as u32).map(move |k| if k < count as u32 { from + k } else { END_OF_CHAIN })
+    };
+    let mut next = vec![TABLE; tables];
+    next.resize(tables + before, END_OF_CHAIN);
+    next.extend(chain(first, of_stream));
+    next.resize(tables * IDS, u32::MAX);
+    file.extend(next.iter().flat_map(|id| id.to_le_bytes()));
+    let small_sectors = stream.len().div_ceil(SMALL_SECTOR);
+    let small_bytes = (small_sectors * SMALL_SECTOR) as u32;
+    let (root, own) = match is_small {
+        true => (
+            (first, small_bytes),
+            if stream.is_empty() { END_OF_CHAIN } else { 0 },
+        ),
+        false => ((END_OF_CHAIN, 0), first),
+    };
+    let mut folder = entry("Root Entry", 5, root.0, root.1);
+    folder.extend(entry(name, 2, own, stream.len() as u32));
+    folder.resize(SECTOR, 0);
+    file.extend(folder);
+    if is_small {
+        let mut table: Vec<u32> = chain(0, small_sectors).collect();
+        table.resize(IDS, u32::MAX);
+        file.extend(table.iter().flat_map(|id| id.to_le_bytes()));
+    }
+    file.extend_from_slice(stream);
+    file.resize(file.len().next_multiple_of(SECTOR), 0);
+    file
+}
+
+/// An entry of a folder.
+fn entry(name: &str, kind: u8, start: u32, length: u32) -> Vec<u8> {
+    let mut entry: Vec<u8> = name.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let name_bytes = entry.len() as u16 + 2;
+    entry.resize(128, 0);
+    entry[64..66].copy_from_slice(&name_bytes.to_le_bytes());
+    entry[66] = kind;
+    entry[68..80].fill(0xFF);
+    entry[116..120].copy_from_slice(&start.to_le_bytes());
+    entry[120..124].copy_from_slice(&length.to_le_bytes());
+    entry
+}
+
 fn word(bytes: &[u8], at: usize) -> u32 {
     bytes
         .get(at..at + 4)
@@ -153,4 +233,44 @@ fn words(bytes: &[u8]) -> Vec<u32> {
     fours
         .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_around_a_stream_is_read_from_it() {
+        for length in [0, 1, 64, 65, 4095, 4096, 4097, 1 << 20, 5 << 20] {
+            let content: Vec<u8> = (0..length).map(|k: u32| (k % 251) as u8).collect();
+            let file = around("Workbook", &content);
+            assert_eq!(stream(&file, &["workbook"]).as_ref(), Ok(&content), "{length}");
+        }
+    }
+
+    /// Each word of the file that can lead on leads to each sector once: nothing takes longer than the file is long, or gives
+    /// more than it holds.
+    #[test]
+    fn wherever_a_chain_leads_back_it_is_walked_once_around() {
+        for length in [3000, 20_000] {
+            let content = vec![7; length];
+            let whole = around("Workbook", &content);
+            let (mut refused, mut tried) = (0, 0);
+            let words = (44..84)
+                .chain(4096..4096 + 64)
+                .chain(8192..8192 + 256)
+                .chain(12_288..12_288 + 64);
+            for at in words.step_by(4) {
+                for target in 0..whole.len() as u32 / 4096 {
+                    let mut worse = whole.clone();
+                    worse[at..at + 4].copy_from_slice(&target.to_le_bytes());
+                    let found = stream(&worse, &["Workbook"]);
+                    refused += usize::from(found.is_err());
+                    tried += 1;
+                    assert!(found.is_ok_and(|found| found.len() <= whole.len()) || refused > 0);
+                }
+            }
+            assert!(refused > 20 && refused < tried, "{refused} of {tried}");
+        }
+    }
 }

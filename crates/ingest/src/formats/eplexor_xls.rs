@@ -44,11 +44,11 @@ impl Format for EplexorXls {
         )
     }
 
-    fn read(&self, bytes: &[u8], _context: &ReadContext) -> Result<Reading, ReadError> {
+    fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         if bytes.is_empty() {
             return Err(ReadError::Empty);
         }
-        reading(&sheet_cells::read(bytes)?)
+        reading(&sheet_cells::read(bytes, context.max_unpacked_bytes)?)
     }
 }
 

@@ -226,6 +226,16 @@ pub enum ReadError {
         /// Limit, bytes.
         limit: u64,
     },
+    /// A workbook holds more of something than any measurement needs, and than can be held.
+    #[error("the workbook holds {found} {what}; at most {most} are read")]
+    TooMany {
+        /// What, in the plural.
+        what: String,
+        /// How many were counted.
+        found: u64,
+        /// How many are read.
+        most: u64,
+    },
     /// A spreadsheet places a cell so far out that no measurement can fill the sheet.
     #[error("sheet \"{sheet}\" has a cell in row {row}, column {column}; at most {limit} cells are read")]
     SheetTooWide {
@@ -271,7 +281,9 @@ impl ReadError {
             ReadError::TimeOrder { .. } => "time-order",
             ReadError::Ragged { .. } => "ragged-rows",
             ReadError::BrokenContainer { .. } => "broken-container",
-            ReadError::TooLarge { .. } | ReadError::SheetTooWide { .. } => "too-large",
+            ReadError::TooLarge { .. } | ReadError::TooMany { .. } | ReadError::SheetTooWide { .. } => {
+                "too-large"
+            }
         }
     }
 
@@ -365,8 +377,8 @@ impl ReadError {
             ReadError::BrokenContainer { .. } => {
                 "copy the file again from the instrument's computer, or save it anew from the spreadsheet program"
             }
-            ReadError::TooLarge { .. } | ReadError::SheetTooWide { .. } => {
-                "save only the sheet with the run, or export it as CSV"
+            ReadError::TooLarge { .. } | ReadError::TooMany { .. } | ReadError::SheetTooWide { .. } => {
+                "save only the sheet or the columns of the run, or export it as CSV; what is packed, put there unpacked"
             }
         })
     }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use super::error::ReadError;
+use super::unpacking;
 use crate::Reading;
 use crate::table::shape::Shape;
 use crate::table::{Answers, layout};
@@ -104,7 +105,7 @@ impl Match {
 /// What a reader may need to know beside the bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ReadContext {
-    /// Most bytes that a zipped spreadsheet may unpack to.
+    /// Most bytes that a packed file may unpack to; a small one may to fewer: see [`unpacking::allowance`].
     pub max_unpacked_bytes: u64,
     /// Whether a plain table must hold a response or a modulus, as a run does; a part of a run that is joined
     /// from several files, such as the humidity of a modulus log, need not.
@@ -124,12 +125,20 @@ impl ReadContext {
             ..ReadContext::default()
         }
     }
+
+    /// The same for what lay packed in a file of that size: it may unpack to no more than the file itself.
+    pub fn within(&self, packed: usize) -> ReadContext {
+        ReadContext {
+            max_unpacked_bytes: self.max_unpacked_bytes.min(unpacking::allowance(packed)),
+            ..self.clone()
+        }
+    }
 }
 
 impl Default for ReadContext {
     fn default() -> ReadContext {
         ReadContext {
-            max_unpacked_bytes: 512 << 20,
+            max_unpacked_bytes: unpacking::MOST,
             needs_response: true,
             date_order: None,
             answers: Answers::default(),

@@ -46,6 +46,7 @@ pub mod time_axis;
 pub mod unpacking;
 pub mod unread;
 pub mod versastat_par;
+mod workbook_parts;
 mod xls_extent;
 pub mod zplot;
 
@@ -94,7 +95,7 @@ pub fn by_id(id: &str) -> Option<&'static dyn Format> {
 /// see [`ReadError::is_pending`]), no format or more than one fits, or the one that fits cannot read it.
 pub fn read(name: &str, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
     let (format, _) = recognise(&FileHead::of(name, bytes))?;
-    format.read(bytes, context)
+    format.read(bytes, &context.within(bytes.len()))
 }
 
 #[cfg(test)]

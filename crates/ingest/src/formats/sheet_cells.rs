@@ -1,16 +1,22 @@
 //! Cells of a workbook, read sparsely: a cell far out in an empty sheet costs nothing.
+//!
+//! The only place that gives a workbook to the library that reads it, after its container was looked through: what a
+//! stranger wrote into it costs time and memory in proportion to the file.
 
 use crate::text::{Cell, Decimal, number};
-use std::io::Cursor;
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
 
 use super::error::{ReadError, escaped};
-use super::xls_extent;
+use super::{compound, unpacking, workbook_parts, xls_extent};
 
 /// Most cells that are read from one workbook.
 const MAX_CELLS: u64 = 10_000_000;
+/// Bytes that a cell takes while it is read, a text its own beside them: a workbook's cells may take no more than it may
+/// unpack to.
+const CELL_BYTES: u64 = 64;
 
 /// A cell that is not empty.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,11 +68,65 @@ pub struct Sheet {
 /// Row and column, from 0.
 pub type Place = (u32, u32);
 
+/// What a workbook may still hold.
+struct Budget {
+    cells: u64,
+    most_cells: u64,
+    text_bytes: u64,
+    most_text_bytes: u64,
+}
+
+impl Budget {
+    /// For a workbook that unpacks to at most `limit` bytes.
+    fn of(limit: u64) -> Budget {
+        Budget {
+            cells: 0,
+            most_cells: (limit / CELL_BYTES).min(MAX_CELLS),
+            text_bytes: 0,
+            most_text_bytes: limit,
+        }
+    }
+
+    /// Counts a cell.
+    fn take(
+        &mut self,
+        sheet: &str,
+        (row, column): Place,
+        content: Option<&SheetCell>,
+    ) -> Result<(), ReadError> {
+        self.cells += 1;
+        if let Some(SheetCell::Text(text)) = content {
+            self.text_bytes += text.len() as u64;
+        }
+        if self.text_bytes > self.most_text_bytes {
+            return Err(ReadError::TooLarge {
+                what: "the texts of the workbook's cells".to_owned(),
+                found: self.text_bytes,
+                limit: self.most_text_bytes,
+            });
+        }
+        if self.cells <= self.most_cells {
+            return Ok(());
+        }
+        Err(ReadError::SheetTooWide {
+            sheet: escaped(sheet),
+            row: u64::from(row) + 1,
+            column: u64::from(column) + 1,
+            limit: self.most_cells,
+        })
+    }
+}
+
+/// What is read of a workbook may unpack to this many bytes, where the caller allows `limit`.
+fn limit_of(bytes: &[u8], limit: u64) -> u64 {
+    limit.min(unpacking::allowance(bytes.len()))
+}
+
 /// The merged cells of each sheet of an .xlsx workbook: the first and the last place that each covers. Other workbooks, and
 /// damaged ones, have none that are known.
-pub fn merged(bytes: &[u8]) -> Vec<Vec<(Place, Place)>> {
+pub fn merged(bytes: &[u8], limit: u64) -> Vec<Vec<(Place, Place)>> {
     let regions = || -> Option<Vec<Vec<(Place, Place)>>> {
-        let mut book: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).ok()?;
+        let mut book = open_xlsx(bytes, limit_of(bytes, limit)).ok()?;
         let names = book.sheet_names();
         let of_sheet = |name: String| {
             let found = book.merge_cells_by_sheet_name(&name).unwrap_or_default();
@@ -83,83 +143,131 @@ pub fn merged(bytes: &[u8]) -> Vec<Vec<(Place, Place)>> {
         .unwrap_or_default()
 }
 
-/// Reads every sheet of an .xlsx or .xls workbook.
+/// Reads every sheet of an .xlsx or .xls workbook, which may unpack to `limit` bytes, and to no more than a file of its
+/// size may.
 ///
 /// # Errors
-/// The workbook is damaged, or holds more cells than any measurement fills.
-pub fn read(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
+/// The workbook is damaged, or holds more than any measurement fills.
+pub fn read(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
+    let limit = limit_of(bytes, limit);
     // The library indexes into damaged records here and there; such a file is refused and stops no other one.
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         if bytes.starts_with(b"PK") {
-            read_xlsx(bytes)
+            read_xlsx(bytes, limit)
         } else {
-            read_xls(bytes)
+            read_xls(bytes, limit)
         }
     }));
     attempt.unwrap_or_else(|_| Err(broken("spreadsheet", &"its records contradict each other")))
 }
 
-fn read_xlsx(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
-    let mut book: Xlsx<_> =
-        Xlsx::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xlsx)", &error))?;
+/// What the library reads of a workbook, counted: sheets that are one and the same part are unpacked for each of them.
+struct Counted<'a> {
+    bytes: Cursor<&'a [u8]>,
+    left: u64,
+}
+
+impl Counted<'_> {
+    /// Times that a workbook is read: its parts once to be known and once for their cells, once more for what is merged.
+    const TIMES: u64 = 4;
+    /// Bytes of the head of a part, which is read for each sheet.
+    const HEAD: u64 = 256;
+
+    fn of(bytes: &[u8]) -> Counted<'_> {
+        let heads = Counted::HEAD * workbook_parts::MOST_SHEETS as u64;
+        Counted {
+            bytes: Cursor::new(bytes),
+            left: bytes.len() as u64 * Counted::TIMES + heads,
+        }
+    }
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let read = self.bytes.read(into)?;
+        self.left = self
+            .left
+            .checked_sub(read as u64)
+            .ok_or_else(|| io::Error::other("its sheets are made of the same parts over and over"))?;
+        Ok(read)
+    }
+}
+
+impl Seek for Counted<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.bytes.seek(to)
+    }
+}
+
+fn open_xlsx(bytes: &[u8], limit: u64) -> Result<Xlsx<Counted<'_>>, ReadError> {
+    // The library looks for a password first, in a compound file: it follows a chain of sectors that loops for ever.
+    if !bytes.starts_with(b"PK") {
+        return Err(broken("spreadsheet (.xlsx)", &"it is no zip archive"));
+    }
+    workbook_parts::check(bytes, limit)?;
+    Xlsx::new(Counted::of(bytes)).map_err(|error| broken("spreadsheet (.xlsx)", &error))
+}
+
+fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
+    let mut book = open_xlsx(bytes, limit)?;
     let mut sheets = Vec::new();
-    let mut count = 0;
+    let mut budget = Budget::of(limit);
     for name in book.sheet_names() {
         // Chart sheets and the like have no cells to read.
         let Ok(mut reader) = book.worksheet_cells_reader(&name) else {
             continue;
         };
         let mut rows = Vec::new();
+        // Cells with a formula and no value, in the order of the sheet.
+        let mut uncomputed = Vec::new();
         while let Some(cell) = reader
-            .next_cell()
+            .next_cell_with_formula_metadata()
             .map_err(|error| broken("spreadsheet (.xlsx)", &error))?
         {
-            let (row, column) = cell.get_position();
-            count += 1;
-            check_count(&name, row, column, count)?;
-            if let Some(content) = from_ref(cell.get_value()) {
-                place(&mut rows, row, column, content);
+            let content = from_ref(&cell.value);
+            budget.take(&name, cell.pos, content.as_ref())?;
+            let (row, column) = cell.pos;
+            match content {
+                Some(content) => place(&mut rows, row, column, content),
+                None if cell.formula.is_some() => uncomputed.push(cell.pos),
+                None => {}
             }
         }
         drop(reader);
         let mut sheet = finish(name, rows);
-        sheet.formulas_without_value = uncomputed(&mut book, &sheet);
+        sheet.formulas_without_value = first_uncomputed(uncomputed);
         sheets.push(sheet);
     }
     Ok(sheets)
 }
 
-/// Formulas whose cells hold no value: programs that write workbooks leave the computing to the one that opens them.
-fn uncomputed(book: &mut Xlsx<Cursor<&[u8]>>, sheet: &Sheet) -> Option<(usize, u32, u32)> {
-    let formulas = book.worksheet_formula(&sheet.name).ok()?;
-    let (first_row, first_column) = formulas.start()?;
-    let holds_value = |row: u32, column: u32| {
-        let found = sheet.rows.binary_search_by_key(&(row + 1), |own| own.number);
-        found.is_ok_and(|at| sheet.rows[at].cells.iter().any(|(own, _)| *own == column))
-    };
-    let cells = formulas
-        .used_cells()
-        .filter(|(_, _, formula)| !formula.is_empty());
-    let places = cells.map(|(row, column, _)| (first_row + row as u32, first_column + column as u32));
-    let mut empty = places.filter(|(row, column)| !holds_value(*row, *column));
-    let (row, column) = empty.next()?;
-    Some((1 + empty.count(), row + 1, column + 1))
+/// Formulas whose cells hold no value, their number and the first: programs that write workbooks leave the computing to the
+/// one that opens them.
+fn first_uncomputed(mut places: Vec<Place>) -> Option<(usize, u32, u32)> {
+    places.sort_unstable();
+    let (row, column) = *places.first()?;
+    Some((places.len(), row.saturating_add(1), column.saturating_add(1)))
 }
 
-fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
-    xls_extent::check(bytes)?;
+fn read_xls(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
+    let in_words = |found: &str| broken("spreadsheet (.xls)", &found);
+    let mut stream = compound::stream(bytes, &["Workbook", "Book"]).map_err(in_words)?;
+    xls_extent::check(&mut stream, limit)?;
+    // The library gets a container that was written here: whatever leads astray in the file's own does not reach it.
+    let plain = compound::around("Workbook", &stream);
+    drop(stream);
     let mut book: Xls<_> =
-        Xls::new(Cursor::new(bytes)).map_err(|error| broken("spreadsheet (.xls)", &error))?;
+        Xls::new(Cursor::new(plain)).map_err(|error| broken("spreadsheet (.xls)", &error))?;
     let mut sheets = Vec::new();
-    let mut count = 0;
+    let mut budget = Budget::of(limit);
     for (name, range) in book.worksheets() {
         let (first_row, first_column) = range.start().unwrap_or((0, 0));
         let mut rows = Vec::new();
         for (row, column, value) in range.used_cells() {
             let (row, column) = (first_row + row as u32, first_column + column as u32);
-            count += 1;
-            check_count(&name, row, column, count)?;
-            if let Some(content) = from_data(value) {
+            let content = from_data(value);
+            budget.take(&name, (row, column), content.as_ref())?;
+            if let Some(content) = content {
                 place(&mut rows, row, column, content);
             }
         }
@@ -168,26 +276,17 @@ fn read_xls(bytes: &[u8]) -> Result<Vec<Sheet>, ReadError> {
     Ok(sheets)
 }
 
-fn check_count(sheet: &str, row: u32, column: u32, count: u64) -> Result<(), ReadError> {
-    if count <= MAX_CELLS {
-        return Ok(());
-    }
-    Err(ReadError::SheetTooWide {
-        sheet: escaped(sheet),
-        row: u64::from(row) + 1,
-        column: u64::from(column) + 1,
-        limit: MAX_CELLS,
-    })
-}
-
 fn place(rows: &mut Vec<SheetRow>, row: u32, column: u32, content: SheetCell) {
     let number = row.saturating_add(1);
     match rows.last_mut() {
         Some(last) if last.number == number => last.cells.push((column, content)),
-        _ => rows.push(SheetRow {
-            number,
-            cells: vec![(column, content)],
-        }),
+        _ => {
+            if let Some(last) = rows.last_mut() {
+                last.cells.shrink_to_fit();
+            }
+            let cells = vec![(column, content)];
+            rows.push(SheetRow { number, cells });
+        }
     }
 }
 

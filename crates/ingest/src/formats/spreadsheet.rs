@@ -4,7 +4,7 @@
 use super::autolab_nova;
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet};
-use super::{About, Format, ReadContext, ReadError, climate, plain_table, unpacking};
+use super::{About, Format, ReadContext, ReadError, climate, plain_table};
 use crate::table::{self, layout, sheet as text_of};
 use crate::text::{Delimiter, Line};
 use crate::{Reading, RunTable, StartedAt};
@@ -60,15 +60,12 @@ impl Format for Spreadsheet {
         if bytes.is_empty() {
             return Err(ReadError::Empty);
         }
-        if bytes.starts_with(b"PK") {
-            unpacking::check_size(bytes, context.max_unpacked_bytes)?;
-        }
         let mut issues = Vec::new();
         let mut tables = Vec::new();
         let mut refusal = None;
         let mut is_step_response = true;
         let mut started_at = None;
-        let sheets = sheet_cells::read(bytes)?;
+        let sheets = sheet_cells::read(bytes, context.max_unpacked_bytes)?;
         // A workbook tells numbers from texts itself.
         let mut own = context.clone();
         let typed = [("decimal", "point"), ("thousands", "none")];
@@ -79,7 +76,8 @@ impl Format for Spreadsheet {
         for sheet in &sheets {
             issues.extend(uncomputed(sheet));
             let wide = text_of::texts(sheet, usize::MAX);
-            let Some(columns) = width(&text_of::lines(sheet, &wide)) else {
+            let columns = width(&text_of::lines(sheet, &wide));
+            let Some(columns) = columns else {
                 if let Err(waits @ ReadError::HeaderOnly { .. }) =
                     layout::best_shape(&text_of::lines(sheet, &wide))
                 {
@@ -87,6 +85,8 @@ impl Format for Spreadsheet {
                 }
                 continue;
             };
+            // A large sheet is held once as text.
+            drop(wide);
             let texts = text_of::texts(sheet, columns);
             let lines = text_of::lines(sheet, &texts);
             if climate::table::is_log(&lines, || layout::best_shape(&lines).ok()) {

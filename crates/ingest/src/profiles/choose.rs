@@ -105,6 +105,7 @@ pub fn read<'p>(
     bytes: &[u8],
     context: &ReadContext,
 ) -> Result<(Reading, Option<&'p Profile>), ReadError> {
+    let context = &context.within(bytes.len());
     let (name, bytes) = unpacking::of_gzip(name, bytes, context.max_unpacked_bytes)?;
     match choose(profiles, name, &bytes)?.reader {
         Reader::Format(format) => Ok((format.read(&bytes, context)?, None)),

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
-use crate::formats::sheet_cells;
+use crate::formats::{sheet_cells, unpacking};
 use crate::table::Answers;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
@@ -95,7 +95,7 @@ pub fn propose(name: &str, bytes: &[u8], stated: &[StatedColumn]) -> Result<Prop
         return Err(ReadError::Empty);
     }
     let guess = if is_workbook(bytes) {
-        guess_sheet(&sheet_cells::read(bytes)?)
+        guess_sheet(&sheet_cells::read(bytes, unpacking::MOST)?)
     } else {
         guess_text(bytes)
     };

@@ -5,6 +5,7 @@ use crate::formats::cells::CellTable;
 use crate::formats::delimited;
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::sheet_cells::{self, Sheet, SheetCell};
+use crate::formats::unpacking;
 use crate::text::grid::push_line;
 use crate::text::{Decoded, Line, Lines, decode, number};
 use ieap_domain::{Issue, RunStatus};
@@ -57,7 +58,7 @@ impl Profile {
                 if !is_workbook {
                     return Err("it is no workbook".to_owned());
                 }
-                let sheets = sheet_cells::read(bytes).map_err(|error| error.to_string())?;
+                let sheets = sheet_cells::read(bytes, unpacking::MOST).map_err(|error| error.to_string())?;
                 self.sheet(&sheets).map(|_| ())
             }
         }
@@ -81,10 +82,7 @@ impl Profile {
             // Read by the reader of tables: see `Profile::read`.
             Container::Answers(_) => Err(ReadError::Empty),
             Container::Sheet { .. } => {
-                if bytes.starts_with(b"PK") {
-                    crate::formats::unpacking::check_size(bytes, max_unpacked_bytes)?;
-                }
-                let sheets = sheet_cells::read(bytes)?;
+                let sheets = sheet_cells::read(bytes, max_unpacked_bytes)?;
                 self.sheet_table(&sheets)
             }
         }

@@ -3,6 +3,7 @@
 
 use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
 use crate::formats::sheet_cells::{self, Place, SheetCell};
+use crate::formats::unpacking;
 use crate::name_pattern::number_of_name;
 use crate::tags::value::shortest;
 use crate::text::decode;
@@ -66,9 +67,9 @@ pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
     }
     let is_workbook = bytes.starts_with(b"PK") || bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0]);
     let grids = if is_workbook {
-        let merged = sheet_cells::merged(bytes);
+        let merged = sheet_cells::merged(bytes, unpacking::MOST);
         let of = |(at, sheet)| grid(sheet, merged.get(at).map_or(&[], Vec::as_slice));
-        sheet_cells::read(bytes)
+        sheet_cells::read(bytes, unpacking::MOST)
             .ok()?
             .iter()
             .enumerate()

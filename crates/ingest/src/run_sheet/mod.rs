@@ -16,6 +16,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::being_read::BeingRead;
 use crate::formats::recognition::{self, FileHead};
 use crate::scan::{SeenFile, composed, parse_display_path};
 use crate::text::decode;
@@ -205,10 +206,11 @@ pub fn among<'a>(
     known: &BTreeSet<&str>,
     fresh: &BTreeSet<&str>,
 ) -> Vec<&'a str> {
+    let being_read = BeingRead::of(campaign);
     let is_one = |file: &&Arc<SeenFile>| {
         let name = file.display.rsplit('/').next().unwrap_or(&file.display);
         if fresh.contains(file.display.as_str()) {
-            has_name(name) || starts_as_one(campaign, file, name)
+            has_name(name) || starts_as_one(campaign, &being_read, file, name)
         } else {
             known.contains(file.display.as_str())
         }
@@ -232,7 +234,7 @@ fn may_be(name: &str) -> bool {
     [".csv", ".tsv", ".txt"].iter().any(|end| name.ends_with(end))
 }
 
-fn starts_as_one(campaign: &Path, file: &SeenFile, name: &str) -> bool {
+fn starts_as_one(campaign: &Path, being_read: &BeingRead, file: &SeenFile, name: &str) -> bool {
     let is_workbook = laboratory::may_be_workbook(name);
     if file.size_bytes > LARGEST_BYTES || !(is_workbook || may_be(name)) {
         return false;
@@ -245,7 +247,8 @@ fn starts_as_one(campaign: &Path, file: &SeenFile, name: &str) -> bool {
     let mut head = Vec::new();
     let opened = fs::File::open_stated(campaign, file.location(campaign));
     let read = opened.and_then(|opened| opened.take(wanted).read_to_end(&mut head));
-    read.is_ok() && is_sheet(name, &head)
+    // One that ended the program is no sheet, and is refused where it would be read as a run.
+    read.is_ok() && being_read.begin(file).is_ok_and(|_mark| is_sheet(name, &head))
 }
 
 /// The note that a file is a sheet, with what of it is not used.

@@ -39,7 +39,7 @@ pub enum ReadFileError {
         path: PathBuf,
     },
     /// Larger than the limit.
-    #[error("{}: {size_bytes} bytes, more than the limit of {limit_bytes} bytes; split the export, or raise the limit", path.display())]
+    #[error("{}: {size_bytes} bytes, more than the {limit_bytes} bytes that are read; export it with fewer readings a second or as Parquet, which is smaller", path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::prepare::{Group, Outcome, Prepared, PreparedFile, With, prepare};
 use crate::ingest::archive::{Archive, Incoming, Outcome as Stored};
+use crate::ingest::being_read::BeingRead;
 use crate::numerics::interrupt;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::Store;
@@ -32,6 +33,7 @@ pub fn in_batches(
 ) -> Result<Vec<String>, PipelineError> {
     let mut mended = Vec::new();
     let archive = Archive::new(&context.folder);
+    let being_read = BeingRead::of(&context.folder);
     for batch in batches(groups, rayon::current_num_threads()) {
         interrupt::check();
         let with = With {
@@ -40,7 +42,7 @@ pub fn in_batches(
             campaign: &context.campaign,
             read_file: context.read_file,
         };
-        let mut prepared: Vec<Prepared> = batch.par_iter().map(|group| prepare(with, group)).collect();
+        let mut prepared = prepared(with, &being_read, batch);
         for path in archive_all(&archive, &context.store, &mut prepared)? {
             observer.warn(&format!("{path} was lost or damaged; it is whole again"));
             mended.push(path);
@@ -54,6 +56,19 @@ pub fn in_batches(
         batch.iter().for_each(|_| observer.advance());
     }
     Ok(mended)
+}
+
+/// Reads the groups of a batch, beside one another; those with a file during which the program died are read alone after them.
+fn prepared(with: With<'_>, being_read: &BeingRead, batch: &[Group]) -> Vec<Prepared> {
+    let is_suspect = |group: &Group| group.files.iter().any(|file| being_read.is_suspect(file));
+    let read = |group: &Group| prepare(with, being_read, group);
+    let beside: Vec<Option<Prepared>> = batch
+        .par_iter()
+        .map(|group| (!is_suspect(group)).then(|| read(group)))
+        .collect();
+    let all = batch.iter().zip(beside);
+    all.map(|(group, prepared)| prepared.unwrap_or_else(|| read(group)))
+        .collect()
 }
 
 /// Does `work`, whose changes of the database wait for the disk together. Where it fails, what it changed before is

@@ -7,6 +7,7 @@ use super::frame_folder;
 use crate::domain::fault::caught;
 use crate::domain::{Campaign, Channel, FileState, Issue, Quantity, RunClock, RunKind, RunOrigin, Spectrum};
 use crate::ingest::archive::{self, Archived};
+use crate::ingest::being_read::BeingRead;
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
@@ -48,6 +49,18 @@ pub struct PreparedFile {
 }
 
 impl PreparedFile {
+    /// A file of which nothing was read.
+    fn without_bytes(file: &SeenFile, outcome: Outcome) -> PreparedFile {
+        PreparedFile {
+            file: file.clone(),
+            hash: None,
+            bytes: Vec::new(),
+            archived: None,
+            outcome,
+            profile: None,
+        }
+    }
+
     /// Its path and what the system said, where it could not give the file.
     pub fn unread(&self) -> Option<(String, Issue)> {
         match &self.outcome {
@@ -115,15 +128,19 @@ pub struct With<'a> {
     pub read_file: ReadFile,
 }
 
-/// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only.
-pub fn prepare(with: With<'_>, group: &Group) -> Prepared {
+/// Reads every file of a group. Refusals are part of the outcome; a fault of a reader refuses its file only, and so does one
+/// that ended the program before.
+pub fn prepare(with: With<'_>, being_read: &BeingRead, group: &Group) -> Prepared {
     Prepared {
         run_name: group.run_name.clone(),
         kind: group.kind,
         files: group
             .files
             .iter()
-            .map(|file| prepare_file(with, group.kind, file))
+            .map(|file| match being_read.begin(file) {
+                Ok(_mark) => prepare_file(with, group.kind, file),
+                Err(issue) => PreparedFile::without_bytes(file, Outcome::Refused(issue)),
+            })
             .collect(),
     }
 }
@@ -145,14 +162,7 @@ fn prepare_file(with: With<'_>, kind: RunKind, file: &SeenFile) -> PreparedFile 
                 error if error.may_pass() => Outcome::Unread(not_read_now(&message)),
                 _ => Outcome::Refused(Issue::error("not-read", message)),
             };
-            return PreparedFile {
-                file: file.clone(),
-                hash: None,
-                bytes: Vec::new(),
-                archived: None,
-                outcome,
-                profile: None,
-            };
+            return PreparedFile::without_bytes(file, outcome);
         }
     };
     prepare_bytes(with, kind, file, bytes)

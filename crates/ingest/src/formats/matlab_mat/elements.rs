@@ -1,10 +1,7 @@
 //! Data elements of a .mat file: a tag of type and size, then the data, filled up to eight bytes.
 
-use std::io::Read;
-
-use flate2::read::ZlibDecoder;
-
 use crate::formats::error::ReadError;
+use crate::formats::unpacking::of_zlib;
 
 /// Types of data; numbers of the format.
 pub const INT8: u32 = 1;
@@ -167,23 +164,14 @@ impl Element<'_> {
 
     /// What it packs; at most `limit` bytes.
     pub fn unpacked(&self, limit: u64) -> Result<Vec<u8>, ReadError> {
-        let mut unpacked = Vec::new();
-        // One byte more tells what is too large from what just fits.
-        ZlibDecoder::new(self.data.bytes)
-            .take(limit.saturating_add(1))
-            .read_to_end(&mut unpacked)
-            .map_err(|error| {
-                self.data
-                    .broken(&format!("a packed variable cannot be unpacked ({error})"))
-            })?;
-        if unpacked.len() as u64 > limit {
-            Err(ReadError::TooLarge {
-                what: "the .mat file unpacked".to_owned(),
-                found: unpacked.len() as u64,
-                limit,
-            })
-        } else {
-            Ok(unpacked)
-        }
+        let unpacked = of_zlib(self.data.bytes, limit).map_err(|error| {
+            self.data
+                .broken(&format!("a packed variable cannot be unpacked ({error})"))
+        })?;
+        unpacked.ok_or_else(|| ReadError::TooLarge {
+            what: "the .mat file unpacked".to_owned(),
+            found: limit + 1,
+            limit,
+        })
     }
 }

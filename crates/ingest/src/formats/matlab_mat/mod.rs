@@ -62,7 +62,7 @@ impl Format for MatlabMat {
                 mend: "load it in MATLAB and save it again with -v7: save('run.mat', '-struct', 'data', '-v7')",
             });
         }
-        let variables = variables::read(bytes, context.max_unpacked_bytes)?;
+        let variables = variables::read(bytes, context.within(bytes.len()).max_unpacked_bytes)?;
         let mut issues = Vec::new();
         let tables = run_tables(&variables, context, &mut issues)?;
         Ok(Reading {

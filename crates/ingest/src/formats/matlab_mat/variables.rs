@@ -19,8 +19,9 @@ const COMPLEX: u32 = 0x0800;
 const DEEPEST: usize = 4;
 /// Most variables and fields that are read.
 const MOST: usize = 10_000;
-/// Bytes of a number as it is held.
+/// Bytes of a number as it is held, and of a text beside its letters.
 const NUMBER_BYTES: u64 = 8;
+const TEXT_BYTES: u64 = 64;
 
 /// One variable, or one field of a struct.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,11 +111,13 @@ pub fn read(bytes: &[u8], limit: u64) -> Result<Vec<Variable>, ReadError> {
         limit,
         left: limit,
     };
+    let mut packed_left = limit;
     while let Some(element) = whole.next()? {
         match element.kind {
             MATRIX => found.variable(element.data)?,
             COMPRESSED => {
-                let unpacked = element.unpacked(limit)?;
+                let unpacked = element.unpacked(packed_left)?;
+                packed_left -= unpacked.len() as u64;
                 let mut inside = Bytes {
                     bytes: &unpacked,
                     ..element.data
@@ -146,7 +149,7 @@ struct Place<'a> {
 /// What was found so far.
 struct Found {
     variables: Vec<Variable>,
-    /// Most bytes that all numbers together may take, and how many are left.
+    /// Most bytes that all numbers and texts together may take, and how many are left.
     limit: u64,
     left: u64,
 }
@@ -175,8 +178,8 @@ impl Found {
         let content = match head.class {
             STRUCT if place.depth < DEEPEST => return self.structs(&head, data, place),
             STRUCT => Content::NotRead("a struct in a struct in a struct"),
-            CELL => cells(data, &head)?,
-            CHAR => Content::Texts(texts(data, &head.dimensions)?),
+            CELL => self.cells(data, &head)?,
+            CHAR => Content::Texts(self.texts(data, &head.dimensions)?),
             FIRST_NUMERIC..=LAST_NUMERIC if head.is_complex => {
                 Content::NotRead("complex numbers; save real(...) and imag(...) beside it")
             }
@@ -199,12 +202,7 @@ impl Found {
     fn numbers(&mut self, mut data: Bytes<'_>, dimensions: &[usize]) -> Result<Vec<f64>, ReadError> {
         let here = data;
         let element = data.next()?;
-        let size = element.map_or(0, |element| element.count()) as u64 * NUMBER_BYTES;
-        self.left = self.left.checked_sub(size).ok_or_else(|| ReadError::TooLarge {
-            what: "the .mat file".to_owned(),
-            found: self.limit - self.left + size,
-            limit: self.limit,
-        })?;
+        self.take(element.map_or(0, |element| element.count()) as u64 * NUMBER_BYTES)?;
         let numbers = match element {
             Some(element) => element.numbers()?,
             None => Vec::new(),
@@ -217,6 +215,59 @@ impl Found {
         }
     }
 
+    /// Takes room for numbers or texts.
+    fn take(&mut self, bytes: u64) -> Result<(), ReadError> {
+        self.left = self.left.checked_sub(bytes).ok_or_else(|| ReadError::TooLarge {
+            what: "the .mat file".to_owned(),
+            found: self.limit - self.left + bytes,
+            limit: self.limit,
+        })?;
+        Ok(())
+    }
+
+    /// The texts of a cell array that holds nothing else.
+    fn cells(&mut self, mut data: Bytes<'_>, head: &Head) -> Result<Content, ReadError> {
+        let mut found = Vec::new();
+        for _ in 0..product(&head.dimensions).unwrap_or(usize::MAX) {
+            let mut cell = data.expect(&[MATRIX], "a cell")?.data;
+            let own = if cell.bytes.is_empty() {
+                None
+            } else {
+                Some(self::head(&mut cell)?)
+            };
+            match own.filter(|own| own.class == CHAR) {
+                Some(own) => found.push(self.texts(cell, &own.dimensions)?.join(" ")),
+                None => return Ok(Content::NotRead("a cell array of other things than texts")),
+            }
+        }
+        Ok(Content::Texts(found))
+    }
+
+    /// The rows of an array of characters, without the blanks that fill them up; it is stored column by column.
+    fn texts(&mut self, mut data: Bytes<'_>, dimensions: &[usize]) -> Result<Vec<String>, ReadError> {
+        let here = data;
+        let element = data.next()?;
+        let rows = dimensions.first().copied().unwrap_or(0);
+        let letters = element.map_or(0, |element| element.data.bytes.len());
+        self.take(letters as u64 * NUMBER_BYTES + rows.min(letters) as u64 * TEXT_BYTES)?;
+        let units = match element {
+            Some(element) => characters(&element)?,
+            None => Vec::new(),
+        };
+        if product(dimensions) != Some(units.len()) {
+            // UTF-8 may have more bytes than there are characters: a single row needs no count.
+            return match rows {
+                1 => Ok(vec![String::from_utf16_lossy(&units)]),
+                _ => Err(here.broken(&format!("{} characters in {dimensions:?}", units.len()))),
+            };
+        }
+        let row = |row: usize| {
+            let units: Vec<u16> = units.iter().skip(row).step_by(rows).copied().collect();
+            String::from_utf16_lossy(&units).trim_end().to_owned()
+        };
+        Ok((0..rows.min(units.len())).map(row).collect())
+    }
+
     /// The fields of a struct, or of each struct of a list.
     fn structs(&mut self, head: &Head, mut data: Bytes<'_>, place: Place<'_>) -> Result<(), ReadError> {
         let here = data;
@@ -225,6 +276,9 @@ impl Found {
         let names = data.expect(&[INT8], "the names of fields")?.data;
         if width == 0 && !names.bytes.is_empty() {
             return Err(names.broken("field names without a length"));
+        }
+        if names.bytes.len() / width.max(1) > MOST {
+            return Err(names.broken("more fields than any measurement has"));
         }
         let names: Vec<String> = names.bytes.chunks(width.max(1)).map(until_zero).collect();
         let own = if place.owner.is_empty() {
@@ -276,46 +330,6 @@ fn head(data: &mut Bytes<'_>) -> Result<Head, ReadError> {
             .collect(),
         name: String::from_utf8_lossy(name.data.bytes).into_owned(),
     })
-}
-
-/// The texts of a cell array that holds nothing else.
-fn cells(mut data: Bytes<'_>, head: &Head) -> Result<Content, ReadError> {
-    let mut found = Vec::new();
-    for _ in 0..product(&head.dimensions).unwrap_or(usize::MAX) {
-        let mut cell = data.expect(&[MATRIX], "a cell")?.data;
-        let own = if cell.bytes.is_empty() {
-            None
-        } else {
-            Some(self::head(&mut cell)?)
-        };
-        match own.filter(|own| own.class == CHAR) {
-            Some(own) => found.push(texts(cell, &own.dimensions)?.join(" ")),
-            None => return Ok(Content::NotRead("a cell array of other things than texts")),
-        }
-    }
-    Ok(Content::Texts(found))
-}
-
-/// The rows of an array of characters, without the blanks that fill them up; it is stored column by column.
-fn texts(mut data: Bytes<'_>, dimensions: &[usize]) -> Result<Vec<String>, ReadError> {
-    let here = data;
-    let units = match data.next()? {
-        Some(element) => characters(&element)?,
-        None => Vec::new(),
-    };
-    let rows = dimensions.first().copied().unwrap_or(0);
-    if product(dimensions) != Some(units.len()) {
-        // UTF-8 may have more bytes than there are characters: a single row needs no count.
-        return match rows {
-            1 => Ok(vec![String::from_utf16_lossy(&units)]),
-            _ => Err(here.broken(&format!("{} characters in {dimensions:?}", units.len()))),
-        };
-    }
-    let row = |row: usize| {
-        let units: Vec<u16> = units.iter().skip(row).step_by(rows).copied().collect();
-        String::from_utf16_lossy(&units).trim_end().to_owned()
-    };
-    Ok((0..rows.min(units.len())).map(row).collect())
 }
 
 /// Characters in UTF-16, whatever they are stored in.

@@ -22,7 +22,7 @@ use super::assemble::{Raw, assemble};
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use super::recognition::{FileHead, Match};
-use super::{About, Format, ReadContext, plain_table};
+use super::{About, Format, ReadContext, plain_table, unpacking};
 use crate::Reading;
 use crate::text::header::Header;
 use columns::Kind;
@@ -34,8 +34,8 @@ pub struct Parquet;
 
 /// What a Parquet file begins and ends with.
 const MAGIC: &[u8] = b"PAR1";
-/// Most cells that are read.
-const MAX_CELLS: u64 = 50_000_000;
+/// Bytes of a cell as it is held.
+const CELL_BYTES: u64 = 8;
 
 impl Format for Parquet {
     fn about(&self) -> About {
@@ -103,8 +103,7 @@ fn read_columns(
     max_bytes: u64,
     issues: &mut Vec<Issue>,
 ) -> Result<(Vec<Header>, CellTable), ReadError> {
-    let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(failed)?;
-    let rows = checked_rows(&file, max_bytes)?;
+    let (file, rows) = opened(bytes, max_bytes)?;
     let durations = arrow_schema::durations(file.metadata().file_metadata());
     if durations.is_none() {
         let message =
@@ -142,6 +141,20 @@ fn read_columns(
     Ok((headers, cells))
 }
 
+/// A Parquet file and its rows, where it unpacks to no more than `max_bytes`, and to no more than a file of its size may. What
+/// reads it catches panics of the library.
+///
+/// # Errors
+/// It is damaged, or too large.
+pub(crate) fn opened(
+    bytes: &[u8],
+    max_bytes: u64,
+) -> Result<(SerializedFileReader<Bytes>, usize), ReadError> {
+    let file = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(failed)?;
+    let rows = checked_rows(&file, max_bytes.min(unpacking::allowance(bytes.len())))?;
+    Ok((file, rows))
+}
+
 /// Rows of the file, once its declared size is one that can be read.
 fn checked_rows(file: &SerializedFileReader<Bytes>, max_bytes: u64) -> Result<usize, ReadError> {
     let metadata = file.metadata();
@@ -152,7 +165,15 @@ fn checked_rows(file: &SerializedFileReader<Bytes>, max_bytes: u64) -> Result<us
         })
     };
     let rows = sum(|group| group.num_rows());
-    let unpacked = sum(|group| group.total_byte_size());
+    // A group's own sum is not what its columns are unpacked by.
+    let of_columns = |group: &parquet::file::metadata::RowGroupMetaData| {
+        let sizes = group
+            .columns()
+            .iter()
+            .map(|column| column.uncompressed_size().max(0));
+        sizes.fold(0, i64::saturating_add).max(group.total_byte_size())
+    };
+    let unpacked = sum(of_columns);
     let (Some(rows), Some(unpacked)) = (rows, unpacked) else {
         return Err(broken("its row groups declare sizes below zero"));
     };
@@ -166,21 +187,17 @@ fn checked_rows(file: &SerializedFileReader<Bytes>, max_bytes: u64) -> Result<us
     if groups.iter().any(|group| group.num_columns() != columns) {
         return Err(broken("a row group holds other columns than the file"));
     }
-    let too_large = |what: &str, found: u64, limit: u64| ReadError::TooLarge {
-        what: what.to_owned(),
-        found,
-        limit,
-    };
     let cells = rows.saturating_mul(columns as u64);
-    match (unpacked > max_bytes, cells > MAX_CELLS) {
-        (true, _) => Err(too_large("the Parquet file unpacked", unpacked, max_bytes)),
-        (_, true) => Err(too_large(
-            "the Parquet file (rows times columns)",
-            cells,
-            MAX_CELLS,
-        )),
-        _ => Ok(rows as usize),
+    // Equal numbers pack to nothing: what counts is what they take when they are held.
+    let unpacked = unpacked.max(cells.saturating_mul(CELL_BYTES));
+    if unpacked > max_bytes {
+        return Err(ReadError::TooLarge {
+            what: "the Parquet file unpacked".to_owned(),
+            found: unpacked,
+            limit: max_bytes,
+        });
     }
+    Ok(rows as usize)
 }
 
 /// Refuses the two ways of compression that are not built in, by name: such a file is not damaged.
