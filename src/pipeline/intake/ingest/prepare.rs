@@ -17,7 +17,7 @@ use crate::ingest::{Reading, RunTable};
 use crate::pipeline::campaign::context::ReadFile;
 
 /// Largest file that is read, bytes.
-const LARGEST_FILE_BYTES: u64 = 1 << 30;
+pub(super) const LARGEST_FILE_BYTES: u64 = 1 << 30;
 
 /// The files of one run.
 #[derive(Debug, Clone, PartialEq)]
