@@ -31,7 +31,7 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let folder = args.campaign.folder()?;
     let has = |name: &str| folder.join(name).is_file();
-    if !has("campaign.toml") && !has(crate::store::FILE_NAME) {
+    if !has("campaign.toml") && !has("campaign.db") {
         return Err(CliError::usage(&format!(
             "{}: there is no campaign.toml; name a campaign folder",
             folder.display()

@@ -70,7 +70,7 @@ fn broken() -> Vec<Option<Vec<u8>>> {
         with("[runs]\nname_pattern = \"{sample\""),
         with("[[sample]]\nid = \"S1\"\nmaterial = \"twice\""),
         with("[campaign]\nid = \"twice\""),
-        with("[study]\nfactors = 3"),
+        with("[fit]\nsimultaneous = \"yes\""),
     ];
     // And a line that is no TOML, anywhere.
     let lines: Vec<&str> = CAMPAIGN_TOML.lines().collect();

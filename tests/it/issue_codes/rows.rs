@@ -68,7 +68,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("current-offset", By("crates/fit/src/tests/recovery.rs", "an_instrument_whose_zero_is_off_is_seen_on_a_discharge")),
     ("database-caught-up", Open("told on stderr only: tests/it/two_stores.rs asserts the sentence")),
     ("database-damaged", By("tests/it/verify.rs", "a_number_that_changed_is_found_and_a_rebuilding_mends_it")),
-    ("database-lags", By("tests/it/two_stores.rs", "an_older_database_catches_up_whoever_opens_it")),
+    ("database-lags", By("tests/it/two_stores.rs", "an_older_database_catches_up_whoever_works_on_it")),
     ("database-made-anew", By("tests/it/schema_17.rs", "words_and_numbers_are_those_of_before")),
     ("database-not-opened", By("tests/it/verify.rs", "a_number_that_changed_is_found_and_a_rebuilding_mends_it")),
     ("date-uncertain", Format("ivium-text/ca.comma_cut.txt")),
