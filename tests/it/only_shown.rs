@@ -213,6 +213,9 @@ fn a_profile_that_cannot_be_read_costs_the_files_that_it_may_be_for() {
         status.stdout.contains("4 runs") && status.stdout.contains("profiles/laser.toml"),
         "{status:#?}"
     );
+    let codes = folder.ieap(&["status", "--json"]).expect(0).stdout;
+    let told = ["profile-refused", "profile-not-read"];
+    assert!(told.iter().all(|code| codes.contains(code)), "{codes}");
     let runs = folder
         .ieap(&["table", "fits", "--format", "csv"])
         .expect(0)
