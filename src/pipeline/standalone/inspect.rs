@@ -137,7 +137,7 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
         None => Profiles::default(),
     };
     // One that cannot be read says so where it is asked; here a file is shown.
-    let stated = campaign.as_deref().map(|folder| campaign_file::or_kept(folder));
+    let stated = campaign.as_deref().map(campaign_file::or_kept);
     let context = stated.map_or_else(ReadContext::default, |read| ReadContext::of(&read.campaign));
     let mut inspection = inspect_bytes(file, &bytes, &profiles, &context);
     let name = file.file_name().unwrap_or_default().to_string_lossy();

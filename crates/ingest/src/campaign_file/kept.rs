@@ -102,7 +102,7 @@ mod tests {
         ] {
             let (_folder, loaded) = broken(text);
             assert_eq!(loaded.campaign.title, "Known", "{text:?}");
-            assert_eq!(loaded.warnings[0].code, NOT_READ);
+            assert_eq!(loaded.warnings[0].code, "campaign-file-not-read");
             assert!(
                 loaded.warnings[0].message.contains("campaign.toml"),
                 "{:?}",

@@ -54,6 +54,7 @@ mod tests {
     fn keys_and_values_have_a_length_that_what_is_known_keeps() {
         assert_eq!(objection(&tag(LONGEST_KEY, LONGEST_VALUE)), None);
         let refused = objection(&tag(1_000_000, 1)).unwrap();
+        assert_eq!(refused.code, "tag-too-long");
         assert!(refused.message.len() < 100, "{}", refused.message);
         assert!(objection(&tag(1, LONGEST_VALUE + 1)).is_some());
         for key in [&keys::CONDITIONS[..], &keys::RECORD, &keys::OTHERS].concat() {
