@@ -130,7 +130,7 @@ impl Campaign {
     fn compare(&self, py: Python<'_>, models: Vec<String>) -> PyResult<String> {
         let compare = CompareModels { models, again: false };
         let found = interruptible(py, None, || {
-            compare.look(&Context::open_read_only(&self.folder)?, &Silent)
+            compare.look(&self.opened()?, &Silent)
         })?;
         json(
             py,
@@ -175,12 +175,19 @@ impl Campaign {
 }
 
 impl Campaign {
+    /// The campaign to read from. Settings that cannot be read are an error: there is no line above the numbers to say so.
+    fn opened(&self) -> Result<Context, PipelineError> {
+        let context = Context::open_read_only(&self.folder)?;
+        context.refuse_unread()?;
+        Ok(context)
+    }
+
     fn ask<R: Send>(
         &self,
         py: Python<'_>,
         question: impl FnOnce(&Context) -> Result<R, PipelineError> + Send,
     ) -> PyResult<R> {
-        let answer = py.detach(|| question(&Context::open_read_only(&self.folder)?));
+        let answer = py.detach(|| question(&self.opened()?));
         answer.map_err(|error| failed(py, &error))
     }
 }

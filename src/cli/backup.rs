@@ -12,8 +12,10 @@ use super::exit::{CliError, DONE, SOME_REFUSED};
 use super::global::Global;
 use super::output::Output;
 use crate::domain::Issue;
+use crate::ingest::campaign_file::NOT_READ;
 use crate::pipeline::upkeep::backup::manifest::LeftOut;
 use crate::pipeline::upkeep::backup::{Backup, Restore};
+use crate::pipeline::{Context, Observer};
 
 /// Copy the campaign elsewhere, while everything runs
 ///
@@ -45,7 +47,9 @@ pub struct RestoreArgs {
 }
 
 pub fn run(args: &BackupArgs, _global: &Global, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_read_only(output)?;
+    let context = Context::open_as_it_is(&args.campaign.folder()?)?;
+    let settings = context.warnings.iter().filter(|issue| issue.code == NOT_READ);
+    settings.for_each(|issue| output.warn(&issue.message));
     let backup = Backup {
         folder: args.folder.clone(),
     };

@@ -1,13 +1,15 @@
 //! The campaign that a verb works on: which folder is meant, and what opening it found.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::exit::CliError;
 use super::global::Global;
 use super::output::Output;
-use crate::ingest::campaign_file;
+use crate::domain::Severity;
+use crate::ingest::campaign_file::{self, NOT_READ};
 use crate::pipeline::Context;
 
 /// The campaign a verb works on.
@@ -53,16 +55,73 @@ impl CampaignArg {
         Ok(context)
     }
 
-    /// The same for reading only.
-    pub fn open_read_only(&self, output: &Output) -> Result<Context, CliError> {
-        let context = Context::open_read_only(&self.folder()?)?;
-        say_what_is_not_understood(&context, output);
-        Ok(context)
+    /// Opens that campaign to show it.
+    pub fn open_to_show(&self, output: &Output) -> Result<Context, CliError> {
+        open_to_show(&self.folder()?, output)
+    }
+
+    /// Opens that campaign for writing; where nothing can be written now, to read, as soon as `due` says that nothing is to
+    /// be done. Beside another program that is waited for: it may be doing just that.
+    pub fn open_or_read(
+        &self,
+        global: &Global,
+        output: &Output,
+        due: impl Fn(&Context) -> Result<Option<String>, CliError>,
+    ) -> Result<(Context, bool), CliError> {
+        match self.open(global, output) {
+            Err(error) if error.cannot_write() => Ok((self.read_when_done(output, due, error)?, false)),
+            opened => Ok((opened?, true)),
+        }
+    }
+
+    /// Opens that campaign to read as soon as `due` says that nothing is to be done; `refused` where that takes too long.
+    pub fn read_when_done(
+        &self,
+        output: &Output,
+        due: impl Fn(&Context) -> Result<Option<String>, CliError>,
+        refused: CliError,
+    ) -> Result<Context, CliError> {
+        let begun = Instant::now();
+        loop {
+            let context = Context::open_read_only(&self.folder()?)?;
+            let Some(due) = due(&context)? else {
+                say_what_falls_short(&context, output);
+                return Ok(context);
+            };
+            if !refused.is_of_another() || begun.elapsed() > PATIENCE {
+                return Err(refused.with(&format!(
+                    " It has {due} before the results are current; `ieap table` shows those that are there."
+                )));
+            }
+            std::thread::sleep(GLANCE);
+        }
     }
 }
 
+/// How long a verb waits for another program to do what it would do itself: as long as for a lock of the database.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// How often it looks.
+const GLANCE: Duration = Duration::from_millis(300);
+
+/// Opens a campaign to show what is stored, and says first what cannot be read of it.
+pub fn open_to_show(folder: &Path, output: &Output) -> Result<Context, CliError> {
+    let context = Context::open_read_only(folder)?;
+    say_what_falls_short(&context, output);
+    Ok(context)
+}
+
+/// A campaign.toml that cannot be read, and a database that lags behind the journal.
+pub fn say_what_falls_short(context: &Context, output: &Output) {
+    let settings = context.warnings.iter().filter(|issue| issue.code == NOT_READ);
+    let behind = context
+        .agreed
+        .iter()
+        .filter(|issue| issue.severity == Severity::Error);
+    settings.chain(behind).for_each(|issue| output.falls_short(issue));
+}
+
 pub fn say_what_is_not_understood(context: &Context, output: &Output) {
-    let warnings = context.warnings.iter();
+    let warnings = context.warnings.iter().filter(|issue| issue.code != NOT_READ);
     warnings.for_each(|issue| output.issue("campaign.toml", issue));
     say_what_opening_found(context, output);
 }

@@ -8,7 +8,6 @@ use super::typed;
 use crate::domain::number::estimates::{in_words, interval_in_words};
 use crate::domain::typed_value::Measured;
 use crate::domain::words::capital;
-use crate::pipeline::Context;
 use crate::pipeline::findings::strip_modulus::strip_modulus;
 use crate::pipeline::standalone::convert::{MeasuredStrip, convert};
 
@@ -65,7 +64,7 @@ pub fn run(args: &ConvertArgs, output: &Output) -> Result<u8, CliError> {
     };
     let mut remarks = Vec::new();
     if let Some(id) = &args.sample {
-        remarks.push(fill(&mut strip, id, args)?);
+        remarks.push(fill(&mut strip, id, args, output)?);
     }
     let mut document = convert(&args.given, &strip)?;
     document
@@ -84,8 +83,13 @@ pub fn run(args: &ConvertArgs, output: &Output) -> Result<u8, CliError> {
 }
 
 /// Takes what is not given from a sample of the campaign; says where the modulus is from, or why there is none.
-fn fill(strip: &mut MeasuredStrip, id: &str, args: &ConvertArgs) -> Result<String, CliError> {
-    let context = Context::open_read_only(&super::campaign::folder(None)?)?;
+fn fill(
+    strip: &mut MeasuredStrip,
+    id: &str,
+    args: &ConvertArgs,
+    output: &Output,
+) -> Result<String, CliError> {
+    let context = super::campaign::open_to_show(&super::campaign::folder(None)?, output)?;
     let sample = context.campaign.sample(id).ok_or_else(|| {
         let known: Vec<&str> = context.campaign.samples.iter().map(|s| s.id.as_str()).collect();
         CliError::usage(&format!(

@@ -14,7 +14,6 @@ use super::typed;
 use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
-use crate::pipeline::Context;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
 use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
@@ -56,7 +55,7 @@ pub struct DriveArgs {
 }
 
 pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     let wanted = match (&args.course, args.hold) {
         (Some(path), _) => Wanted::Course(read_course(path)?),
         (None, hold) => Wanted::Hold {

@@ -31,7 +31,8 @@ pub fn after(has_fault: bool, all_taken: bool) -> u8 {
 pub struct CliError {
     status: u8,
     message: String,
-    is_second_instance: bool,
+    cannot_write: bool,
+    is_of_another: bool,
 }
 
 impl CliError {
@@ -40,7 +41,8 @@ impl CliError {
         CliError {
             status: USAGE,
             message: message.to_owned(),
-            is_second_instance: false,
+            cannot_write: false,
+            is_of_another: false,
         }
     }
 
@@ -49,7 +51,8 @@ impl CliError {
         CliError {
             status: STORAGE,
             message: message.to_owned(),
-            is_second_instance: false,
+            cannot_write: false,
+            is_of_another: false,
         }
     }
 
@@ -58,13 +61,19 @@ impl CliError {
         CliError {
             status: INTERNAL,
             message: message.to_owned(),
-            is_second_instance: false,
+            cannot_write: false,
+            is_of_another: false,
         }
     }
 
+    /// Whether nothing can be written now: another program works on the campaign, or the disk gives no right to.
+    pub fn cannot_write(&self) -> bool {
+        self.cannot_write
+    }
+
     /// Whether another program works on the campaign.
-    pub fn is_second_instance(&self) -> bool {
-        self.is_second_instance
+    pub fn is_of_another(&self) -> bool {
+        self.is_of_another
     }
 
     /// The same with a sentence more.
@@ -95,7 +104,8 @@ impl From<PipelineError> for CliError {
         CliError {
             status,
             message: error.to_string(),
-            is_second_instance: error.is_second_instance(),
+            cannot_write: error.cannot_write(),
+            is_of_another: error.is_second_instance(),
         }
     }
 }

@@ -42,7 +42,7 @@ pub fn run(args: &ExplainArgs, output: &Output) -> Result<u8, CliError> {
         }
         (row, _) => (row.as_ref(), folder),
     };
-    let context = Context::open_read_only(&super::campaign::folder(folder)?)?;
+    let context = super::campaign::open_to_show(&super::campaign::folder(folder)?, output)?;
     let (Some(row), Some(column)) = (row, &args.column) else {
         return list(args, &context, output);
     };

@@ -95,7 +95,7 @@ impl What {
 }
 
 pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     if output.json && args.output.is_none() && args.what == What::One(Table::Fits) {
         output.document(&fits_document(&context)?)?;
         return Ok(DONE);

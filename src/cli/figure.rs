@@ -9,7 +9,6 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::table::write;
-use crate::pipeline::Context;
 use crate::pipeline::show::figures::{MakeFigure, formats, listed, needs_no_campaign};
 
 /// Draw a figure for print: SVG, PNG or PDF
@@ -67,9 +66,10 @@ pub fn run(args: &FigureArgs, output: &Output) -> Result<u8, CliError> {
     let bytes = if needs_no_campaign(name) {
         figure.simulated()?
     } else {
-        figure.run(&Context::open_read_only(&super::campaign::folder(
-            folder.as_deref(),
-        )?)?)?
+        figure.run(&super::campaign::open_to_show(
+            &super::campaign::folder(folder.as_deref())?,
+            output,
+        )?)?
     };
     let path = args
         .output

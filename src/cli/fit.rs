@@ -40,11 +40,21 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
         again: args.again,
     };
     let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
-    let mut context = match args.campaign.open(global, output) {
-        Err(error) if error.is_second_instance() => return beside(args, &fits, global, output, error),
-        opened => opened?,
-    };
+    let due = |context: &Context| due(context, &fits);
+    let (mut context, is_to_work) = args.campaign.open_or_read(global, output, due)?;
+    if !is_to_work {
+        return as_stored(args, global, &context, output);
+    }
     let done = interrupt.run(|| fitted(args, &fits, global, &mut context, output));
+    if let Some(Err(refused)) = done {
+        // A database that cannot be written is noticed by what would be written first.
+        return if refused.cannot_write() {
+            let context = args.campaign.read_when_done(output, due, refused)?;
+            as_stored(args, global, &context, output)
+        } else {
+            Err(refused)
+        };
+    }
     done.unwrap_or_else(|| {
         let goes_on = GoesOn {
             verb: "fit",
@@ -77,25 +87,21 @@ fn fitted(
     ))
 }
 
-/// Beside a program that works on the campaign: what is fitted is told where nothing is to be done, since that only reads.
-fn beside(
-    args: &FitArgs,
-    fits: &FitRuns,
-    global: &Global,
-    output: &Output,
-    refused: CliError,
-) -> Result<u8, CliError> {
-    let context = args.campaign.open_read_only(output)?;
-    let (files, runs) = (files_due(&context)?, fits.due(&context)?);
-    if files + runs > 0 {
-        return Err(refused.with(&format!(
-            " It has {} to take in and {} to fit before the results are current; `ieap table` shows those that are there.",
-            counted(files, "file"),
-            counted(runs, "run")
-        )));
-    }
-    tell(args, global, &context, output)?;
-    Ok(if left_out_inputs(&context)? {
+/// What is to be done before the results are current; none where nothing is.
+fn due(context: &Context, fits: &FitRuns) -> Result<Option<String>, CliError> {
+    let (files, runs) = (files_due(context)?, fits.due(context)?);
+    let due = format!(
+        "{} to take in and {} to fit",
+        counted(files, "file"),
+        counted(runs, "run")
+    );
+    Ok((files + runs > 0).then_some(due))
+}
+
+/// The results as they are stored, where nothing can be written and nothing is to be done.
+fn as_stored(args: &FitArgs, global: &Global, context: &Context, output: &Output) -> Result<u8, CliError> {
+    tell(args, global, context, output)?;
+    Ok(if left_out_inputs(context)? {
         exit::SOME_REFUSED
     } else {
         exit::DONE

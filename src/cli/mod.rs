@@ -152,7 +152,7 @@ verbs! {
         Fit(fit::FitArgs) => fit::run,
         Dma(dma::DmaArgs) => dma::run,
         Impedance(impedance::ImpedanceArgs) => impedance::run,
-        Study(study::StudyArgs) => study::run,
+        Study(study::StudyArgs) => |args, _, output| study::run(args, output),
         List(list::ListArgs) => |args, _, output| list::run(args, output),
         Convert(convert::ConvertArgs) => |args, _, output| convert::run(args, output),
         Profile(profile::ProfileArgs) => |args, _, output| profile::run(args, output),

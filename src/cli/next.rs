@@ -9,7 +9,6 @@ use serde_json::json;
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use crate::pipeline::Context;
 use crate::pipeline::findings::next_runs::{PlannedRun, SheetSummary, plan, write_sheet};
 
 /// List the runs to make next, and what each tells
@@ -26,7 +25,7 @@ pub struct NextArgs {
 }
 
 pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     let plan = plan(&context)?;
     if plan.is_empty() {
         output.result("no run to make next: nothing that was compared was measured in one order only, and no missing law is to be told from another");

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -43,6 +44,8 @@ pub struct Output {
     bar: Mutex<Option<ProgressBar>>,
     told: Mutex<Option<Told>>,
     stdout: Mutex<Stdout>,
+    /// Whether what was shown falls short of what there is.
+    falls_short: AtomicBool,
 }
 
 /// What has become of stdout.
@@ -73,6 +76,7 @@ impl Output {
             bar: Mutex::new(None),
             told: Mutex::new(None),
             stdout: Mutex::new(Stdout::Open),
+            falls_short: AtomicBool::new(false),
         }
     }
 
@@ -153,10 +157,11 @@ impl Output {
         }
     }
 
-    /// The exit status of a verb that ended with `status`: another where its results were lost.
+    /// The exit status of a verb that ended with `status`: another where its results were lost, or fall short.
     pub fn ended(&self, status: u8) -> u8 {
         match self.stdout.lock().map(|state| *state) {
             Ok(Stdout::Failed) if status != exit::INTERNAL => exit::STORAGE,
+            _ if status == exit::DONE && self.falls_short.load(Ordering::Relaxed) => exit::SOME_REFUSED,
             _ => status,
         }
     }
@@ -250,6 +255,12 @@ impl Output {
     /// An error; always shown.
     pub fn error(&self, text: &str) {
         self.line(&format!("error: {text}"));
+    }
+
+    /// What cannot be read, so that what is shown falls short of it: always said, and seen in the exit status.
+    pub fn falls_short(&self, issue: &Issue) {
+        self.falls_short.store(true, Ordering::Relaxed);
+        self.error(&format!("{}; {}", issue.message, issue.mend));
     }
 
     /// A file or run with an issue: where, what, and how to mend it.

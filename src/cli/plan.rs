@@ -11,7 +11,6 @@ use super::output::Output;
 use super::typed;
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
-use crate::pipeline::Context;
 use crate::pipeline::findings::study_plan::{self, StudyPlan};
 use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
@@ -102,7 +101,7 @@ pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliE
         (Some(path), _) => Some(read_drive(path)?),
         (None, volts) => volts.map(Drive::step),
     };
-    let mut subject = subject(args, drive.as_ref())?;
+    let mut subject = subject(args, drive.as_ref(), output)?;
     if let Some(size) = args.current_noise {
         subject.current_noise.standard_deviation = size;
     }
@@ -129,7 +128,7 @@ pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliE
 }
 
 fn plan_study(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     let plan = StudyPlan {
         strips: if args.strips.is_empty() {
             study_plan::STRIPS.to_vec()
@@ -148,11 +147,11 @@ fn plan_study(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, C
     Ok(DONE)
 }
 
-fn subject(args: &PlanArgs, drive: Option<&Drive>) -> Result<Subject, CliError> {
+fn subject(args: &PlanArgs, drive: Option<&Drive>, output: &Output) -> Result<Subject, CliError> {
     if let Some(spec) = &args.spec {
         return Ok(Subject::of_spec(spec, args.run.as_deref())?);
     }
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     let asked = AskedStrip {
         sample: args.sample.clone().unwrap_or_default(),
         environment: args.environment.clone(),

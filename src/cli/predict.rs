@@ -14,7 +14,6 @@ use crate::domain::Drive;
 use crate::domain::number::estimates::in_words;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
-use crate::pipeline::Context;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::forward::{
     Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
@@ -46,7 +45,7 @@ pub struct PredictArgs {
 }
 
 pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     let drive = match (&args.drive, args.voltage) {
         (Some(path), _) => read_drive(path)?,
         (None, volts) => Drive::step(volts.unwrap_or_default()),

@@ -9,7 +9,7 @@ use super::exit::{self, CliError, STORAGE};
 use super::faults::say_faults;
 use super::global::Global;
 use super::output::Output;
-use crate::pipeline::{RenderReport, ReportSummary};
+use crate::pipeline::{Context, RenderReport, ReportSummary, standing_report};
 
 /// Write the report anew, without looking for files
 #[derive(Debug, Args)]
@@ -22,12 +22,24 @@ pub struct ReportArgs {
 }
 
 pub fn run(args: &ReportArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open(global, output)?;
+    let due = |context: &Context| -> Result<Option<String>, CliError> {
+        let stands = !args.again && standing_report(context)?.is_some();
+        Ok((!stands).then(|| "the report to write anew".to_owned()))
+    };
+    let (context, is_to_work) = args.campaign.open_or_read(global, output, due)?;
     let verb = RenderReport {
         again: args.again,
         before: None,
     };
-    let summary = verb.run(&context, output)?;
+    let stands = if is_to_work {
+        None
+    } else {
+        standing_report(&context)?
+    };
+    let summary = match stands {
+        Some(summary) => summary,
+        None => verb.run(&context, output)?,
+    };
     print(&summary, output);
     output.document(&json!({ "schema": "ieap/report/1", "report": summary }))?;
     Ok(match summary.refused {

@@ -30,7 +30,8 @@ pub struct ServeArgs {
 
 pub fn run(args: &ServeArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let folder = args.campaign.folder()?;
-    if !folder.join("campaign.toml").is_file() {
+    let has = |name: &str| folder.join(name).is_file();
+    if !has("campaign.toml") && !has("campaign.db") {
         return Err(CliError::usage(&format!(
             "{}: there is no campaign.toml; name a campaign folder",
             folder.display()

@@ -17,11 +17,11 @@ use super::output::Output;
 use super::sections::Sections;
 use crate::domain::file_story::FileStory;
 use crate::domain::{Alarm, Fault, Issue};
+use crate::pipeline::TakenBack;
 use crate::pipeline::documents::diagnosis::group_title;
 use crate::pipeline::infra::mends::Reasoned;
 use crate::pipeline::intake::files::{lone, stories, view};
 use crate::pipeline::upkeep::status::{Status, WAITS, status};
-use crate::pipeline::{Context, TakenBack};
 
 /// Count runs; list what was refused, lacks or is due
 ///
@@ -47,7 +47,7 @@ pub(super) struct FilesDocument {
 
 pub fn run(args: &StatusArgs, output: &Output) -> Result<u8, CliError> {
     // What is odd in campaign.toml is part of the answer.
-    let context = Context::open_read_only(&args.campaign.folder()?)?;
+    let context = args.campaign.open_to_show(output)?;
     if args.files {
         say_what_is_not_understood(&context, output);
         let files = stories(&context)?;

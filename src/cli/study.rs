@@ -4,7 +4,6 @@ use clap::Args;
 
 use super::campaign::CampaignArg;
 use super::exit::{self, CliError};
-use super::global::Global;
 use super::output::Output;
 use crate::pipeline::findings::study::{SCHEMA, lines, study};
 
@@ -17,8 +16,8 @@ pub struct StudyArgs {
     campaign: CampaignArg,
 }
 
-pub fn run(args: &StudyArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open(global, output)?;
+pub fn run(args: &StudyArgs, output: &Output) -> Result<u8, CliError> {
+    let context = args.campaign.open_to_show(output)?;
     let found = study(&context)?;
     output.show(SCHEMA, &found, &lines(&found))?;
     Ok(exit::DONE)

@@ -67,7 +67,7 @@ pub fn run(args: &TableArgs, output: &Output) -> Result<u8, CliError> {
         return list(output);
     };
     find_table(name)?;
-    let mut context = Context::open_read_only(&super::campaign::folder(folder.as_deref())?)?;
+    let mut context = super::campaign::open_to_show(&super::campaign::folder(folder.as_deref())?, output)?;
     if let Some(class) = &args.by {
         compared_by(&mut context, name, class)?;
     }

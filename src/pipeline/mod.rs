@@ -40,7 +40,7 @@ pub use intake::climate::LogSummary;
 pub use intake::ingest::{Ingest, IngestSummary, UnreadableTags, files_due};
 pub use run::{Made, Run, RunSummary};
 pub use show::left::{Left, left};
-pub use show::report::{RenderReport, ReportSummary};
+pub use show::report::{RenderReport, ReportSummary, standing_report};
 pub use standalone::init::{InitFrom, PlannedFile, Proposed, Seen, Taken, init};
 pub use upkeep::answer::answer;
 pub use upkeep::drop::{SpeakOfRuns, SpokenOf};

@@ -70,6 +70,7 @@ mod needs_shared;
 mod new_laboratory;
 mod next_runs;
 mod not_read;
+mod only_shown;
 mod output;
 mod own_climate;
 mod own_files;

@@ -49,7 +49,15 @@ impl Running {
     /// The same where the server may hang up.
     fn try_ask(&self, lines: &str) -> std::io::Result<String> {
         let mut stream = self.connect();
-        let request = format!("{}\r\n\r\n", lines.replace('\n', "\r\n"));
+        // What a person types is said to be nobody's page.
+        let whose =
+            if lines.contains("Host: localhost") && !lines.contains("Sec-Fetch") && !lines.contains("Cookie")
+            {
+                "\nSec-Fetch-Site: none"
+            } else {
+                ""
+            };
+        let request = format!("{lines}{whose}\n\n").replace('\n', "\r\n");
         stream.write_all(request.as_bytes())?;
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer)?;
@@ -162,6 +170,64 @@ fn nothing_but_the_report_is_served_and_only_to_this_machine() {
     assert!(running.ask("nonsense").starts_with("HTTP/1.1 400"));
 }
 
+/// Any page of another site read the report by `<script src="http://127.0.0.1:8421/runs.js">`.
+#[test]
+fn the_report_is_given_to_its_own_pages_and_to_whoever_opens_it() {
+    let folder = campaign();
+    let running = Running::of(folder.path());
+    let page = running.ask("GET / HTTP/1.1\nHost: localhost\nSec-Fetch-Site: none");
+    for said in [
+        "Cross-Origin-Resource-Policy: same-origin",
+        "Cross-Origin-Opener-Policy: same-origin",
+        "X-Content-Type-Options: nosniff",
+        "X-Frame-Options: DENY",
+        "frame-ancestors 'none'",
+        "SameSite=Strict",
+    ] {
+        assert!(page.contains(said), "{said}: {page}");
+    }
+    let cookie = page
+        .lines()
+        .find_map(|line| line.strip_prefix("Set-Cookie: "))
+        .expect("a cookie");
+    let (cookie, _) = cookie.split_once(';').expect("what is to be kept");
+    let wrong = format!("{}0", &cookie[..cookie.len() - 1]);
+    let dests = [
+        "script", "image", "style", "iframe", "object", "empty", "video", "document",
+    ];
+    let (mut given, mut refused) = (0, 0);
+    for site in ["", "none", "same-origin", "same-site", "cross-site", "unheard-of"] {
+        for dest in dests {
+            for cookie in ["", cookie, &wrong] {
+                for (file, is_page) in [
+                    ("/", true),
+                    ("/runs/a.html", true),
+                    ("/site.js", false),
+                    ("/.made-from", false),
+                ] {
+                    let mode = if dest == "document" { "navigate" } else { "no-cors" };
+                    let mut lines = format!("GET {file} HTTP/1.1\nHost: localhost\nCookie: a=b; {cookie}");
+                    if !site.is_empty() {
+                        lines += &format!(
+                            "\nSec-Fetch-Site: {site}\nSec-Fetch-Mode: {mode}\nSec-Fetch-Dest: {dest}"
+                        );
+                    }
+                    let wanted = match site {
+                        "none" | "same-origin" => true,
+                        "" => is_page || (!cookie.is_empty() && *cookie != wrong),
+                        _ => is_page && dest == "document",
+                    };
+                    let answer = running.ask(&lines);
+                    assert_eq!(answer.starts_with("HTTP/1.1 200"), wanted, "{lines}: {answer}");
+                    assert_eq!(answer.starts_with("HTTP/1.1 403"), !wanted, "{lines}: {answer}");
+                    *(if wanted { &mut given } else { &mut refused }) += 1;
+                }
+            }
+        }
+    }
+    assert_eq!((given, refused), (274, 302));
+}
+
 #[test]
 fn a_campaign_without_a_report_says_so_and_looks_again() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -222,7 +288,7 @@ fn who_comes_while_every_place_is_answered_is_told_to_come_again() {
     let taking: Vec<TcpStream> = (0..limits.clients)
         .map(|_| {
             let mut stream = running.connect();
-            let request = b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\n\r\n";
+            let request = b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\nSec-Fetch-Site: none\r\n\r\n";
             stream.write_all(request).expect("a request");
             // Its answer has begun.
             stream.read_exact(&mut [0; 100]).expect("a beginning");
@@ -256,7 +322,7 @@ fn clients_that_take_drop_by_drop_are_left() {
     let running = Running::with(folder.path(), limits);
     let mut stream = running.connect();
     stream
-        .write_all(b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        .write_all(b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\nSec-Fetch-Site: none\r\n\r\n")
         .expect("a request");
     std::thread::sleep(Duration::from_millis(1500));
     let mut taken = Vec::new();
@@ -302,7 +368,7 @@ fn clients_that_do_not_read_cost_no_memory() {
     let waiting: Vec<TcpStream> = (0..40)
         .map(|_| {
             let mut stream = TcpStream::connect(address).expect("a connection");
-            let request = b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\n\r\n";
+            let request = b"GET /large.csv HTTP/1.1\r\nHost: localhost\r\nSec-Fetch-Site: none\r\n\r\n";
             stream.write_all(request).expect("a request");
             stream
         })

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use rusqlite::ErrorCode;
 use thiserror::Error;
 
+use super::locks;
+
 /// A failure of the database, in words a user can act on.
 #[derive(Debug, Error)]
 pub enum StoreError {
@@ -17,6 +19,16 @@ pub enum StoreError {
         path: PathBuf,
         /// What was being done.
         doing: &'static str,
+    },
+    /// The file system gives no locks.
+    #[error(
+        "{path}: the file system gives no locks ({detail}), and without them two programs could write at once. On a network share have the locks switched on (of NFS the lock service, and no mount option `nolock`), or copy the campaign to a disk of this computer; nothing was changed."
+    )]
+    NoLocks {
+        /// The file that was to be locked.
+        path: PathBuf,
+        /// What the system says.
+        detail: String,
     },
     /// The file or its folder cannot be written.
     #[error(
@@ -245,6 +257,11 @@ impl StoreError {
         let path = path.to_owned();
         let detail = || plain(&source);
         match source.sqlite_error_code() {
+            // SQLite takes a lock that the file system does not have for one that somebody holds.
+            Some(code) if may_be_without_locks(code) && locks::lacking_beside(&path).is_some() => {
+                let detail = locks::lacking_beside(&path).unwrap_or_default();
+                StoreError::NoLocks { path, detail }
+            }
             Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Locked { path, doing },
             Some(ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => StoreError::ReadOnly { path, doing },
             Some(ErrorCode::DiskFull) => StoreError::DiskFull { path, doing },
@@ -265,6 +282,14 @@ impl StoreError {
             },
         }
     }
+}
+
+fn may_be_without_locks(code: ErrorCode) -> bool {
+    use ErrorCode as E;
+    matches!(
+        code,
+        E::DatabaseBusy | E::DatabaseLocked | E::SystemIoFailure | E::FileLockingProtocolFailed
+    )
 }
 
 /// What SQLite says, without the statement that it says it of: a page of SQL helps no user.

@@ -3,7 +3,7 @@
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
-use super::StoreError;
+use super::{StoreError, locks};
 use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
 /// What the file says after an orderly end.
@@ -52,7 +52,7 @@ impl InstanceLock {
                     holder: holder.trim().to_owned(),
                 });
             }
-            Err(TryLockError::Error(source)) => return Err(failed("locking")(source)),
+            Err(TryLockError::Error(source)) => return Err(locks::refused(&path, "locking", source)),
         }
         let was_ended = ended_in_order(&mut file, &path)?;
         let holder = format!("{MARK}{} on {}\n", std::process::id(), host_name());
@@ -141,13 +141,15 @@ fn is_ours(head: &[u8]) -> bool {
     (head.len() as u64) < LONGEST && head.iter().enumerate().take(MARK.len()).all(of_a_word)
 }
 
+/// Name of this machine.
 #[cfg(unix)]
-fn host_name() -> String {
+pub fn host_name() -> String {
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
+/// Name of this machine.
 #[cfg(not(unix))]
-fn host_name() -> String {
+pub fn host_name() -> String {
     std::env::var("COMPUTERNAME").unwrap_or_else(|_| "this computer".to_owned())
 }
 

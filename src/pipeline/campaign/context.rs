@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use crate::domain::{Campaign, Issue};
 use crate::ingest::campaign_file;
-use crate::ingest::profiles::{self, Profile};
+use crate::ingest::profiles::{self, Profiles};
 use crate::ingest::run_sheet::RunSheets;
 use crate::ingest::scan::{self, ReadFileError};
 use crate::ingest::tags::TagFiles;
-use crate::pipeline::PipelineError;
+use crate::pipeline::{PipelineError, failed};
 use crate::store::{InstanceLock, Store};
 use crate::system::passing::Passing;
 
@@ -29,8 +29,8 @@ pub struct Context {
     pub campaign: Campaign,
     /// What is odd in campaign.toml but no error.
     pub warnings: Vec<Issue>,
-    /// Saved profiles of the campaign, by id.
-    pub profiles: Vec<Profile>,
+    /// Saved profiles of the campaign, by id, and those that cannot be read.
+    pub profiles: Profiles,
     /// Run sheets among the runs, as they were read last; none until runs are tagged.
     pub sheets: RunSheets,
     /// Files that state tags of runs, as they were read last.
@@ -60,7 +60,7 @@ impl Context {
         holdings::refuse_lost_database(&self.folder)?;
         let store = Store::open(&self.folder)?;
         holdings::check(&self.folder, &store)?;
-        Context::with(&self.folder, loaded, store, None)
+        Ok(Context::with(&self.folder, loaded, store, None))
     }
 
     /// Refuses to go on where the database or the archive was lost or replaced since they were opened.
@@ -75,13 +75,24 @@ impl Context {
     /// Reads campaign.toml and the profiles again, after they changed.
     ///
     /// # Errors
-    /// One is missing or wrong; the context keeps what it knew.
+    /// campaign.toml is missing or wrong; the context keeps what it knew.
     pub fn reload(&mut self) -> Result<(), PipelineError> {
         let loaded = campaign_file::read(&self.folder)?;
-        self.profiles = profiles::load(&self.folder)?;
+        self.profiles = profiles::load(&self.folder);
+        keep(&self.folder, &loaded)?;
         self.campaign_digest = digest(&loaded.text);
         self.campaign = loaded.campaign;
         self.warnings = loaded.warnings;
+        Ok(())
+    }
+
+    /// Refuses settings that cannot be read, where the campaign was opened to be shown without them.
+    ///
+    /// # Errors
+    /// campaign.toml or a profile is missing or wrong.
+    pub fn refuse_unread(&self) -> Result<(), PipelineError> {
+        campaign_file::read(&self.folder)?;
+        profiles::load(&self.folder).strict()?;
         Ok(())
     }
 
@@ -90,10 +101,10 @@ impl Context {
         loaded: campaign_file::Loaded,
         store: Store,
         lock: Option<InstanceLock>,
-    ) -> Result<Context, PipelineError> {
-        Ok(Context {
+    ) -> Context {
+        Context {
             folder: folder.to_owned(),
-            profiles: profiles::load(folder)?,
+            profiles: profiles::load(folder),
             sheets: RunSheets::default(),
             stated: TagFiles::of(folder),
             campaign_digest: digest(&loaded.text),
@@ -105,8 +116,17 @@ impl Context {
             read_file: scan::read_stable,
             lock,
             aside: None,
-        })
+        }
     }
+}
+
+/// Keeps the text of campaign.toml that is worked with: what is shown while the file cannot be read is shown by it.
+pub(crate) fn keep(folder: &Path, loaded: &campaign_file::Loaded) -> Result<(), PipelineError> {
+    let kept = campaign_file::keep(folder, loaded);
+    kept.map_err(failed(
+        &folder.join(campaign_file::KEPT),
+        "keeping the text of campaign.toml",
+    ))
 }
 
 /// Now, RFC 3339 in UTC to the second: what the database records.

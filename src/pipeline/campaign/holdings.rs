@@ -6,10 +6,11 @@
 use std::path::Path;
 
 use super::places::{FAULTS, REPORT_FOLDER, STAMP};
-use crate::ingest::archive::{Archive, FOLDER};
+use crate::domain::words::counted;
+use crate::ingest::archive::{Archive, Archived, FOLDER};
 use crate::pipeline::PipelineError;
 use crate::pipeline::infra::error::HoldingsError;
-use crate::store::{self, FILE_NAME, Found, Store, journal};
+use crate::store::{self, FILE_NAME, Found, RunContent, Store, journal};
 
 /// Refuses a campaign whose database is gone or empty although something says that there was one.
 ///
@@ -52,8 +53,8 @@ fn evidence(folder: &Path) -> Result<Option<&'static str>, PipelineError> {
 /// Holds the open database against the archive beside it.
 ///
 /// # Errors
-/// [`HoldingsError::Foreign`]; [`HoldingsError::ArchiveLost`] where the archive is gone although the database names
-/// raw files; the archive cannot be looked at.
+/// [`HoldingsError::Foreign`]; [`HoldingsError::ArchiveLost`] where nothing says whose the archive is and it lacks raw files
+/// that the database names; the archive cannot be looked at.
 pub fn check(folder: &Path, store: &Store) -> Result<(), PipelineError> {
     let (archive, id) = (Archive::new(folder), store.identity()?);
     match archive.owner()? {
@@ -64,13 +65,54 @@ pub fn check(folder: &Path, store: &Store) -> Result<(), PipelineError> {
             needed,
         }
         .into()),
-        None if store.names_content(None)? && !archive.holds_anything()? => Err(HoldingsError::ArchiveLost {
-            path: folder.join(FOLDER),
+        // Nothing was archived yet, or all of it is there and only the file that says whose it is has gone.
+        None => match lost(folder, &store.contents()?)? {
+            None => Ok(()),
+            Some(lacks) => Err(HoldingsError::ArchiveLost {
+                path: folder.join(FOLDER),
+                lacks,
+            }
+            .into()),
+        },
+    }
+}
+
+/// Refuses to make a database of an earlier version anew where the archive lacks what it is made from: a disk may not be
+/// mounted.
+///
+/// # Errors
+/// [`HoldingsError::LossAhead`]; the old database or the archive cannot be looked at.
+pub fn refuse_loss(folder: &Path) -> Result<(), PipelineError> {
+    let named = store::raw_files_named(folder)?;
+    let no_journal = !named.is_empty() && !journal::path_in(folder).exists();
+    let no_journal = no_journal.then(|| "archive/journal.jsonl is not there".to_owned());
+    match no_journal.map_or_else(|| lost(folder, &named), |lacks| Ok(Some(lacks)))? {
+        None => Ok(()),
+        Some(lacks) => Err(HoldingsError::LossAhead {
+            path: folder.join(FILE_NAME),
+            lacks,
         }
         .into()),
-        // Nothing was archived yet, or an earlier version of the program did it.
-        None => Ok(()),
     }
+}
+
+/// What the archive lacks of these raw files, in words.
+fn lost(folder: &Path, named: &[RunContent]) -> Result<Option<String>, PipelineError> {
+    let wanted = |named: &RunContent| Archived {
+        hash: named.hash.clone(),
+        path: named.archive_path.clone(),
+        size_bytes: named.size_bytes,
+    };
+    let wanted: Vec<Archived> = named.iter().map(wanted).collect();
+    let lost = Archive::new(folder).missing(&wanted)?;
+    let first = lost.first().map(|lost| lost.wanted.path.clone());
+    Ok(first.map(|first| {
+        let named = counted(named.len(), "raw file");
+        format!(
+            "of the {named} that the database names, {} not in archive/ ({first})",
+            lost.len()
+        )
+    }))
 }
 
 /// Writes down that the archive belongs to the database, where that is not written yet.

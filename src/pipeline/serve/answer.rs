@@ -50,6 +50,8 @@ pub struct Answer {
     pub tag: Option<String>,
     /// Body.
     pub body: Body,
+    /// What the browser is to keep and send with whatever the page asks for.
+    pub cookie: Option<String>,
 }
 
 impl Answer {
@@ -59,6 +61,7 @@ impl Answer {
             media_type: "text/plain; charset=utf-8",
             tag: None,
             body: Body::Text(format!("{text}\n").into_bytes()),
+            cookie: None,
         }
     }
 
@@ -78,6 +81,14 @@ impl Answer {
         Answer::told(
             "403 Forbidden",
             "ask for the report by the address that `ieap serve` printed, or give --bind",
+        )
+    }
+
+    /// What is said where the page of another site asks, or nobody's page.
+    pub fn not_of_a_page() -> Answer {
+        Answer::told(
+            "403 Forbidden",
+            "this is for the pages of the report: open the address that `ieap serve` printed",
         )
     }
 
@@ -110,6 +121,7 @@ impl Answer {
             media_type: media_type(&request.file),
             tag: Some(tag),
             body,
+            cookie: None,
         }
     }
 
@@ -121,6 +133,7 @@ impl Answer {
                 media_type: "image/svg+xml",
                 tag: None,
                 body: Body::Text(ICON.into()),
+                cookie: None,
             },
             Some("index.html") => Answer {
                 media_type: "text/html; charset=utf-8",
@@ -138,7 +151,8 @@ impl Answer {
     pub fn write(self, out: &mut impl Write, head_only: bool) -> io::Result<()> {
         let mut head = format!(
             "HTTP/1.1 {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-cache\r\n\
-             X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n\
+             X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\nReferrer-Policy: no-referrer\r\n\
+             Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\n\
              Content-Security-Policy: default-src 'self'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'\r\n",
             self.status,
             self.media_type,
@@ -146,6 +160,11 @@ impl Answer {
         );
         if let Some(tag) = &self.tag {
             head.push_str(&format!("ETag: {tag}\r\n"));
+        }
+        if let Some(cookie) = &self.cookie {
+            head.push_str(&format!(
+                "Set-Cookie: {cookie}; Path=/; HttpOnly; SameSite=Strict\r\n"
+            ));
         }
         if self.status.starts_with("405") {
             head.push_str("Allow: GET, HEAD\r\n");

@@ -3,12 +3,13 @@
 //! A report is a folder of files, so that the server sends one file a request and closes the connection: no library is
 //! needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are answered.
 //! Whoever asks or takes too slowly is left ([`Limits`]), and whoever has not asked yet gives way to others, so that nobody
-//! keeps others from the report; who cannot be served because the system has no more open files is told to come again. On a loopback address the request must call the machine by a loopback name, so that no page of another
-//! site reads the report through a name of its own.
+//! keeps others from the report; who cannot be served because the system has no more open files is told to come again. Who may have what
+//! says [`guard`].
 
 pub mod answer;
 mod clients;
 mod deadline;
+mod guard;
 pub mod request;
 
 use std::io::{self, Read};
@@ -23,6 +24,7 @@ use crate::pipeline::campaign::places::REPORT_FOLDER;
 use answer::{Answer, is_of_too_few_files};
 use clients::Clients;
 use deadline::Timed;
+use guard::Guard;
 
 /// Port that is taken without a wish.
 pub const DEFAULT_PORT: u16 = 8421;
@@ -60,6 +62,7 @@ pub struct Server {
     listener: TcpListener,
     root: PathBuf,
     address: SocketAddr,
+    guard: Guard,
 }
 
 impl Server {
@@ -70,9 +73,11 @@ impl Server {
     pub fn listen(folder: &Path, address: SocketAddr, limits: Limits) -> io::Result<Server> {
         let listener = TcpListener::bind(address)?;
         listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
         Ok(Server {
             limits,
-            address: listener.local_addr()?,
+            address,
+            guard: Guard::of(address),
             listener,
             root: folder.join(REPORT_FOLDER),
         })
@@ -138,11 +143,11 @@ impl Server {
             turn_away(&stream);
             return;
         }
-        let (root, only_loopback, limits) = (self.root.clone(), !self.is_open(), self.limits);
+        let (root, guard, limits) = (self.root.clone(), self.guard.clone(), self.limits);
         let (asking, of) = (stream.clone(), clients.clone());
         let served = std::thread::Builder::new().spawn(move || {
             // A client that goes away in the middle concerns nobody else.
-            let _ = serve(&asking, &of, &root, only_loopback, limits);
+            let _ = serve(&asking, &of, &root, &guard, limits);
         });
         // Where no thread can be had the client goes.
         if served.is_err() {
@@ -181,7 +186,7 @@ fn serve(
     stream: &Arc<TcpStream>,
     clients: &Clients,
     root: &Path,
-    only_loopback: bool,
+    guard: &Guard,
     limits: Limits,
 ) -> io::Result<()> {
     let mut asking = Timed::new(stream, limits.patience, limits.patience);
@@ -196,55 +201,14 @@ fn serve(
         Ok(None) => return Ok(()),
         Err(why) => (Answer::refusal(why), false),
         Ok(Some(request)) => {
-            if only_loopback && !is_loopback_name(&request.host) {
-                (Answer::wrong_host(), request.head_only)
-            } else {
-                (Answer::to(&request, root), request.head_only)
-            }
+            let answer = guard.refusal(&request).unwrap_or_else(|| Answer {
+                cookie: guard.cookie_with(&request),
+                ..Answer::to(&request, root)
+            });
+            (answer, request.head_only)
         }
     };
     let of_size = Duration::from_secs(answer.body.size_bytes() / limits.slowest_bytes_per_s.max(1));
     let mut taking = Timed::new(stream, limits.patience + of_size, limits.patience);
     answer.write(&mut taking, head_only)
-}
-
-/// Whether a `Host` is a name that only this machine has: `localhost:8421`, `127.0.0.1`, `[::1]:80`.
-fn is_loopback_name(host: &str) -> bool {
-    if let Ok(address) = host.parse::<SocketAddr>() {
-        return address.ip().is_loopback();
-    }
-    let bare = host.trim_start_matches('[').trim_end_matches(']');
-    if let Ok(address) = bare.parse::<IpAddr>() {
-        return address.is_loopback();
-    }
-    let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
-    name.eq_ignore_ascii_case("localhost")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_loopback_names_are_this_machine() {
-        for host in [
-            "localhost",
-            "LOCALHOST:8421",
-            "127.0.0.1",
-            "127.0.0.1:80",
-            "[::1]",
-            "[::1]:8421",
-        ] {
-            assert!(is_loopback_name(host), "{host}");
-        }
-        for host in [
-            "example.org",
-            "localhost.example.org",
-            "192.168.1.4:8421",
-            "127.0.0.1.example.org",
-            "",
-        ] {
-            assert!(!is_loopback_name(host), "{host}");
-        }
-    }
 }

@@ -19,6 +19,12 @@ pub struct Request {
     pub known_tags: Option<String>,
     /// What the client calls this machine.
     pub host: String,
+    /// Whose page asks, as the browser says it (`Sec-Fetch-Site`); none where it says nothing.
+    pub site: Option<String>,
+    /// Whether the answer is to be a page of its own, in place of the one that asks.
+    pub is_navigation: bool,
+    /// What the browser keeps of this server.
+    pub cookies: String,
 }
 
 /// Why a request is not answered.
@@ -93,6 +99,10 @@ fn parsed(head: &str) -> Result<Request, Refusal> {
         file,
         known_tags: field("if-none-match"),
         host,
+        site: field("sec-fetch-site"),
+        is_navigation: field("sec-fetch-mode").as_deref() == Some("navigate")
+            && field("sec-fetch-dest").as_deref() == Some("document"),
+        cookies: field("cookie").unwrap_or_default(),
     })
 }
 

@@ -194,6 +194,29 @@ impl RenderReport {
     }
 }
 
+/// What is said of the report that stands, where it shows the campaign as it is.
+///
+/// # Errors
+/// The database or the folder cannot be read.
+pub fn standing_report(context: &Context) -> Result<Option<ReportSummary>, PipelineError> {
+    let target = context.folder.join(REPORT_FOLDER);
+    let altered =
+        own_folder::altered(&target).map_err(failed(&target, "looking whether it is as it was written"))?;
+    if !altered.is_empty() || !is_current(context)? {
+        return Ok(None);
+    }
+    Ok(Some(ReportSummary {
+        index: target.join("index.html"),
+        rendered: false,
+        pages: 0,
+        pages_kept: 0,
+        refused: None,
+        faults: report_faults(&context.folder),
+        altered: Vec::new(),
+        templates_left_out: OwnTemplates::of(context).left_out,
+    }))
+}
+
 /// What the report that stands says of each run; nothing where there is none. What cannot be read is said: no number is then
 /// marked as moved.
 pub fn said_before(context: &Context, observer: &dyn Observer) -> Numbers {

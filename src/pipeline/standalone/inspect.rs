@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::domain::{FlaggedStretch, Issue, Quantity};
 use crate::ingest::campaign_file;
 use crate::ingest::formats::{ReadContext, ReadError, unpacking};
-use crate::ingest::profiles::{self, Choice, Claim, Profile, Reader};
+use crate::ingest::profiles::{self, Choice, Claim, Profile, Profiles, Reader};
 use crate::ingest::run_sheet;
 use crate::ingest::{Reading, RunTable, StartedAt};
 use crate::pipeline::campaign::standing::{self, SetAside};
@@ -124,7 +124,7 @@ pub struct InspectedColumn {
 /// in are obeyed.
 ///
 /// # Errors
-/// The file cannot be opened, or a profile is wrong.
+/// The file cannot be opened.
 pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     if file.is_dir() {
         return Ok(folder(file));
@@ -133,15 +133,18 @@ pub fn inspect(file: &Path) -> Result<Inspection, PipelineError> {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let campaign = absolute.parent().and_then(campaign_file::find);
     let profiles = match &campaign {
-        Some(campaign) => profiles::load(campaign)?,
-        None => Vec::new(),
+        Some(campaign) => profiles::load(campaign),
+        None => Profiles::default(),
     };
     // One that cannot be read says so where it is asked; here a file is shown.
-    let stated = campaign
-        .as_deref()
-        .and_then(|folder| campaign_file::read(folder).ok());
+    let stated = campaign.as_deref().map(campaign_file::or_kept);
     let context = stated.map_or_else(ReadContext::default, |read| ReadContext::of(&read.campaign));
     let mut inspection = inspect_bytes(file, &bytes, &profiles, &context);
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let waiting_for = profiles.waiting_for(&name, &bytes);
+    inspection
+        .issues
+        .extend(waiting_for.map(|profile| profile.issue_of_file()));
     inspection.stored = campaign.and_then(|campaign| stored(&campaign, &absolute));
     Ok(inspection)
 }

@@ -8,12 +8,12 @@ use super::{agreement, verify};
 use crate::domain::Issue;
 use crate::domain::words::counted;
 use crate::ingest::archive::Archive;
-use crate::ingest::{campaign_file, filesystem};
-use crate::pipeline::campaign::context::now;
+use crate::ingest::{campaign_file, filesystem, profiles};
+use crate::pipeline::campaign::context::{keep, now};
 use crate::pipeline::campaign::holdings;
 use crate::pipeline::{Context, PipelineError, Silent};
 use crate::store::journal::Entry;
-use crate::store::{self, InstanceLock, Store, StoreError};
+use crate::store::{self, Found, InstanceLock, Store, StoreError};
 
 impl Context {
     /// Opens a campaign to work on it; takes the lock that keeps a second instance out. A database that an earlier version
@@ -26,6 +26,7 @@ impl Context {
         let Err(PipelineError::Store(StoreError::Older { found, .. })) = opened else {
             return opened;
         };
+        holdings::refuse_loss(folder)?;
         let rebuilt = Rebuild { allow_network }.run(folder, &Silent)?;
         let mut context = Context::open_as_made(folder, allow_network)?;
         context.agreed.push(made_anew(found, &rebuilt));
@@ -45,9 +46,10 @@ impl Context {
         holdings::refuse_lost_database(folder)?;
         let store = open_locked(folder, &lock)?;
         holdings::check_and_mark(folder, &store)?;
+        keep(folder, &loaded)?;
         aside::clear(folder);
         let ended_in_order = lock.last_ended_in_order();
-        let mut context = Context::with(folder, loaded, store, None)?;
+        let mut context = Context::with(folder, loaded, store, None);
         context.agreed = agreement::agree(&mut context, !ended_in_order)?;
         lock.found_sound();
         context.lock = Some(lock);
@@ -82,7 +84,8 @@ impl Context {
         let store = Store::open(folder)?;
         archive.set_owner(&store.identity()?)?;
         lock.found_sound();
-        Ok((Context::with(folder, loaded, store, Some(lock))?, aside))
+        keep(folder, &loaded)?;
+        Ok((Context::with(folder, loaded, store, Some(lock)), aside))
     }
 
     /// The same with a new archive, or what is left of the old one; every file is read again, so that its bytes are
@@ -98,7 +101,8 @@ impl Context {
         let mut store = open_locked(folder, &lock)?;
         store.read_again(&now())?;
         Archive::new(folder).set_owner(&store.identity()?)?;
-        let mut context = Context::with(folder, loaded, store, None)?;
+        keep(folder, &loaded)?;
+        let mut context = Context::with(folder, loaded, store, None);
         context.agreed = agreement::agree(&mut context, !lock.last_ended_in_order())?;
         lock.found_sound();
         context.lock = Some(lock);
@@ -112,13 +116,15 @@ impl Context {
     /// As [`Context::open`]; the folder cannot be made, or holds what the program did not write.
     pub fn open_aside(folder: &Path, allow_network: bool) -> Result<Context, PipelineError> {
         let loaded = campaign_file::read(folder)?;
+        // What waits for a profile would not come back.
+        profiles::load(folder).strict()?;
         refuse_network(folder, allow_network)?;
         let lock = InstanceLock::take(folder)?;
         Archive::new(folder).remove_partial()?;
         let aside = aside::emptied(folder)?;
         let mut store = Store::open(aside.path())?;
         store.keep_journal_heard();
-        let context = Context::with(folder, loaded, store, Some(lock))?;
+        let context = Context::with(folder, loaded, store, Some(lock));
         Ok(Context {
             aside: Some(aside),
             ..context
@@ -166,8 +172,8 @@ impl Context {
 
     /// The same campaign with another database.
     pub(crate) fn with_store(&self, store: Store) -> Result<Context, PipelineError> {
-        let loaded = campaign_file::read(&self.folder)?;
-        Context::with(&self.folder, loaded, store, None)
+        let loaded = campaign_file::or_kept(&self.folder);
+        Ok(Context::with(&self.folder, loaded, store, None))
     }
 
     /// Opens a campaign beside a working instance, for changes that do not read files or fit.
@@ -192,55 +198,40 @@ impl Context {
         };
         let store = Store::open(folder)?;
         holdings::check(folder, &store)?;
-        let context = Context::with(folder, loaded, store, None)?;
+        let context = Context::with(folder, loaded, store, None);
         Ok(Context { agreed, ..context })
     }
 
-    /// Opens a campaign to read from it. Where there is no database yet an empty one in memory stands in. Where the database
-    /// and the journal do not say the same, that is made good first.
+    /// Opens a campaign to read from it, without a lock and without a change. Where there is no database yet an empty one in
+    /// memory stands in. Settings that cannot be read are told ([`Context::warnings`]), and so is what the database and the
+    /// journal lack of each other: whoever works on the campaign next makes that good.
     ///
     /// # Errors
-    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read, or lacks what the journal says
-    /// and cannot be told it now.
+    /// There is no campaign; the database is gone or cannot be read, or it and the journal are of two courses.
     pub fn open_read_only(folder: &Path) -> Result<Context, PipelineError> {
-        let context = Context::open_as_it_is(folder)?;
-        // An empty one in memory has no file.
-        if !context.store.path().exists() || context.store.is_agreed(folder)? {
-            return Ok(context);
-        }
-        match Context::open(folder, false) {
-            Ok(Context { agreed, .. }) => {
-                let context = Context::open_as_it_is(folder)?;
-                Ok(Context { agreed, ..context })
-            }
-            Err(error) => {
-                let compared = context.store.compared(folder)?;
-                if compared.is_database_whole() {
-                    Ok(context)
-                } else {
-                    Err(StoreError::Lags {
-                        path: context.store.path().to_owned(),
-                        lacks: compared.lacks(),
-                        why: error.to_string(),
-                    }
-                    .into())
-                }
-            }
-        }
+        let mut context = Context::open_as_it_is(folder)?;
+        context.agreed = verify::behind(&context)?;
+        Ok(context)
     }
 
-    /// The same, but nothing is made good.
+    /// The same, but the journal is not looked at.
     ///
     /// # Errors
-    /// campaign.toml or a profile is wrong or missing; the database is gone or cannot be read.
+    /// There is no campaign; the database is gone or cannot be read.
     pub fn open_as_it_is(folder: &Path) -> Result<Context, PipelineError> {
-        let loaded = campaign_file::read(folder)?;
+        // Without a database there is nothing to show, and whoever begins a campaign is told what is wrong.
+        let has_database = store::found(folder) == Found::Something;
+        let loaded = if has_database {
+            campaign_file::or_kept(folder)
+        } else {
+            campaign_file::read(folder)?
+        };
         holdings::refuse_lost_database(folder)?;
         let store = match Store::open_read_only(folder)? {
             Some(store) => store,
             None => Store::in_memory()?,
         };
-        Context::with(folder, loaded, store, None)
+        Ok(Context::with(folder, loaded, store, None))
     }
 }
 

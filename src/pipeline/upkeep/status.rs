@@ -14,7 +14,7 @@ use crate::domain::tag::keys;
 use crate::domain::{
     Alarm, ClimateAssessment, Contradiction, Fault, FileState, Issue, RunRecord, RunState, Severity,
 };
-use crate::ingest::campaign_file::UNKNOWN_KEY;
+use crate::ingest::campaign_file::{NOT_READ, UNKNOWN_KEY};
 use crate::ingest::formats::columns::{NOT_FINITE, TEXT_AMONG_NUMBERS};
 use crate::ingest::name_pattern::ProposedPattern;
 use crate::ingest::tags::NAMES_CONTRADICT;
@@ -130,7 +130,8 @@ pub struct Status {
 impl Status {
     /// Whether campaign.toml says something that is not understood: what somebody wanted is not done.
     pub fn has_slip(&self) -> bool {
-        self.campaign_file.iter().any(|issue| issue.code == UNKNOWN_KEY)
+        let is_slip = |issue: &Issue| [NOT_READ, UNKNOWN_KEY].contains(&&*issue.code);
+        self.campaign_file.iter().any(is_slip)
     }
 }
 
@@ -181,6 +182,7 @@ pub struct Gap {
 /// # Errors
 /// The database cannot be read.
 pub fn status(context: &Context) -> Result<Status, PipelineError> {
+    let _moment = context.store.snapshot()?;
     // Read once: of ten thousand runs every reading takes half a second.
     let all = standing::all(context)?;
     let planned = planned(context, &all)?;
@@ -269,7 +271,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
             .map(SetAside::of)
             .collect(),
         names_contradict: with_issues(&runs, |issue| issue.code == NAMES_CONTRADICT),
-        refused: file_list(FileState::Refused),
+        refused: [refused_profiles(context), file_list(FileState::Refused)].concat(),
         unread: unread(context)?,
         unreadable_tags: unreadable_tags(context)?,
         pending: file_list(FileState::Pending),
@@ -333,6 +335,15 @@ fn without_humidity(runs: &[RunRecord]) -> Vec<String> {
     } else {
         without.into_iter().map(|run| run.path.clone()).collect()
     }
+}
+
+fn refused_profiles(context: &Context) -> Vec<Reasoned> {
+    let refused = context.profiles.refused.iter();
+    let reasoned = refused.map(|refused| Reasoned {
+        path: refused.path.clone(),
+        issues: vec![refused.issue()],
+    });
+    reasoned.collect()
 }
 
 fn unread(context: &Context) -> Result<Vec<Reasoned>, PipelineError> {

@@ -22,7 +22,7 @@ pub use error::ArchiveError;
 pub const FOLDER: &str = "archive";
 
 /// Begin of the names of files that are not written to their end yet.
-const PARTIAL: &str = ".part-";
+pub(crate) const PARTIAL: &str = ".part-";
 
 /// Bytes of a file that are in memory while it is hashed.
 const HASHED_BYTES: usize = 256 << 10;

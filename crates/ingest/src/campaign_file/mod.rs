@@ -4,6 +4,7 @@ mod check;
 mod climate;
 mod compare;
 mod error;
+mod kept;
 mod keys;
 mod known;
 mod lines;
@@ -24,6 +25,7 @@ use ieap_system::fs;
 
 pub use check::DEFAULT_MODEL;
 pub use error::CampaignFileError;
+pub use kept::{KEPT, NOT_READ, keep, or_kept};
 pub use keys::UNKNOWN_KEY;
 pub(crate) use lines::line_and_column;
 pub(crate) use nearest::nearest;
@@ -57,11 +59,12 @@ pub fn read(folder: &Path) -> Result<Loaded, CampaignFileError> {
     Ok(loaded)
 }
 
-/// The nearest folder with a campaign.toml: `start` itself or one above it.
+/// The nearest folder with a campaign.toml, or with what it was worked with last: `start` itself or one above it.
 pub fn find(start: &Path) -> Option<PathBuf> {
     let start = fs::canonicalize(start).ok()?;
     // Whatever has the name: one that cannot be read is told, not passed by.
-    let holds_campaign = |folder: &&Path| fs::symlink_metadata(folder.join(FILE_NAME)).is_ok();
+    let is_there = |path: PathBuf| fs::symlink_metadata(path).is_ok();
+    let holds_campaign = |folder: &&Path| is_there(folder.join(FILE_NAME)) || is_there(folder.join(KEPT));
     start.ancestors().find(holds_campaign).map(Path::to_path_buf)
 }
 

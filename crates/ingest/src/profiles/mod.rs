@@ -13,6 +13,7 @@ mod policy;
 mod propose;
 mod raw;
 mod read;
+mod refused;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -23,3 +24,4 @@ pub use definition::Profile;
 pub use error::ProfileError;
 pub use load::{FOLDER, from_text, is_id, load};
 pub use propose::{Proposal, StatedColumn, answered, propose};
+pub use refused::{Profiles, RefusedProfile};

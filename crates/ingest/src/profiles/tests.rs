@@ -299,25 +299,23 @@ fn a_profile_of_a_modulus_log_is_complete() {
 #[test]
 fn profiles_of_a_folder_are_loaded_by_id() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(load(folder.path()).unwrap().is_empty());
+    assert!(load(folder.path()).is_empty());
     let profiles = folder.path().join("profiles");
     std::fs::create_dir(&profiles).unwrap();
     std::fs::write(profiles.join("b.toml"), LASER).unwrap();
     std::fs::write(profiles.join("a.toml"), LASER).unwrap();
     std::fs::write(profiles.join("c.toml.draft"), "nothing").unwrap();
-    let found = load(folder.path()).unwrap();
+    let found = load(folder.path()).strict().unwrap();
     assert_eq!(
         found.iter().map(|p| p.id.as_str()).collect::<Vec<_>>(),
         ["a", "b"]
     );
     assert_eq!(found[0].digest, found[1].digest);
     std::fs::write(profiles.join("Big.toml"), LASER).unwrap();
-    assert!(
-        load(folder.path())
-            .unwrap_err()
-            .to_string()
-            .contains("lower case")
-    );
+    let found = load(folder.path());
+    assert_eq!((found.len(), found.refused.len()), (2, 1));
+    assert_eq!(found.refused[0].path, "profiles/Big.toml");
+    assert!(found.strict().unwrap_err().to_string().contains("lower case"));
 }
 
 #[test]

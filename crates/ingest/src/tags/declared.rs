@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::length;
 use crate::campaign_file::nearest;
 use crate::text::header::Header;
 use ieap_domain::tag::keys;
@@ -94,6 +95,9 @@ pub const UNDECLARED: &str = "tag-undeclared";
 
 /// What is wrong with a key, and how to mend it; none where it may be used.
 pub fn objection(key: &str, extra: &[String]) -> Option<Issue> {
+    if let Some(issue) = length::of_key(key) {
+        return Some(issue);
+    }
     let declare = format!("declare it in campaign.toml: [tags] extra = [\"{key}\"]");
     match tag_key(key, extra) {
         TagKey::Known | TagKey::Declared => None,

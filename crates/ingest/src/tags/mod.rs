@@ -3,6 +3,7 @@
 mod agreement;
 mod declared;
 mod files;
+mod length;
 mod policy;
 mod sources;
 mod stated_value;

@@ -4,6 +4,7 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 use jiff::{Timestamp, Zoned};
 
+use super::length;
 use crate::scan::composed;
 use ieap_domain::number::exact;
 use ieap_domain::tag::keys;
@@ -21,7 +22,10 @@ pub(crate) struct Fault {
 /// The value as it is stored, or the issue that says why it cannot be used. `timezone` gives the offset of a
 /// start that states none.
 pub(super) fn checked(tag: &Tag, timezone: Option<&str>) -> Result<String, Issue> {
-    usable(&tag.key, &tag.value, timezone).map_err(|fault| unusable(tag, fault))
+    match length::objection(tag) {
+        Some(issue) => Err(issue),
+        None => usable(&tag.key, &tag.value, timezone).map_err(|fault| unusable(tag, fault)),
+    }
 }
 
 /// The value of that key as it is stored.

@@ -1,10 +1,11 @@
 //! Makes the journal and the database of a campaign say the same, as far as that needs no person.
 
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::bring_up::{brought_up, parted};
 use super::entry::{End, Entry, Line};
-use super::file::{HeldJournal, failed, locked, path_in, read};
+use super::file::{Found, HeldJournal, failed, locked, path_in, read};
 use super::{Compared, course, tail};
 use crate::rows::JOURNAL_LINE;
 use crate::{FILE_NAME as DATABASE, Store, StoreError};
@@ -20,43 +21,71 @@ pub struct Agreed {
 }
 
 impl Store {
-    /// Whether the last line of the database is the last one of the journal of the campaign in `folder`.
+    /// Whether the last line of the database is the last one of the journal of the campaign in `folder`: where not, somebody
+    /// may be between the two writings.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn is_level(&self, folder: &Path) -> Result<bool, StoreError> {
+        let path = path_in(folder);
+        let in_file = match File::open_own(&path) {
+            Ok(mut file) => {
+                let size = file.metadata().map_err(|source| failed(&path, source))?.len();
+                tail::last(&mut file, size).map_err(|source| failed(&path, source))?
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => tail::Last::default(),
+            Err(source) => return Err(failed(&path, source)),
+        };
+        Ok(in_file.end() == self.last_said()?)
+    }
+
+    /// The same for who is to write: waits until nobody is between the two writings, who holds the journal for as long.
     ///
     /// # Errors
     /// See [`StoreError`].
     pub fn is_agreed(&self, folder: &Path) -> Result<bool, StoreError> {
-        let path = path_in(folder);
-        let same = |file: Option<&mut File>| -> Result<bool, StoreError> {
-            let in_file = match file {
-                None => tail::Last::default(),
-                Some(file) => {
-                    let size = file.metadata().map_err(|source| failed(&path, source))?.len();
-                    tail::last(file, size).map_err(|source| failed(&path, source))?
-                }
-            };
-            Ok(in_file.end() == self.last_said()?)
-        };
-        let opened = || match File::open_own(&path) {
-            Ok(file) => Ok(Some(file)),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(source) => Err(failed(&path, source)),
-        };
-        if same(opened()?.as_mut())? {
+        if self.is_level(folder)? {
             return Ok(true);
         }
-        // Somebody may be between the two writings, and holds the journal for as long.
         let _held = HeldJournal::wait_to_read(folder)?;
-        same(opened()?.as_mut())
+        self.is_level(folder)
     }
 
-    /// Holds the lines of the database against those of the journal of the campaign in `folder`.
+    /// Holds the lines of the database against those of the journal of the campaign in `folder`, without a lock and while
+    /// others write; gives the lines of the journal, too.
+    ///
+    /// The database is read first: whatever it says, the journal said before. A line of the journal that it lacks may be one
+    /// of which the transaction commits just now, so that it is looked for again for as long as that may take.
     ///
     /// # Errors
     /// See [`StoreError`]; [`StoreError::Parted`] where they are of two courses.
-    pub fn compared(&self, folder: &Path) -> Result<Compared, StoreError> {
-        let lines = self.course()?;
-        let found = read(folder)?.unwrap_or_default();
-        Compared::of(&lines, &found).map_err(|detail| parted(folder, detail))
+    pub fn compared(&self, folder: &Path) -> Result<(Option<Found>, Compared), StoreError> {
+        let begun = Instant::now();
+        let look = || -> Result<_, StoreError> {
+            let (lines, found) = (self.course()?, read(folder)?);
+            let compared = Compared::of(&lines, found.as_ref().unwrap_or(&NOTHING));
+            Ok((found, compared.map_err(|detail| parted(folder, detail))))
+        };
+        let (mut found, mut compared) = look()?;
+        let is_whole = |found: &Option<Found>| found.as_ref().is_none_or(Found::is_whole);
+        // What was read in pieces while a line was taken back and another took its place is neither.
+        if compared.is_err() || !is_whole(&found) {
+            std::thread::sleep(GLANCE);
+            (found, compared) = look()?;
+        }
+        let mut compared = compared?;
+        while !compared.of_journal.is_empty() && begun.elapsed() < COMMIT {
+            std::thread::sleep(GLANCE);
+            let stands = read(folder)?.unwrap_or_default().lines;
+            let mut waits = Vec::new();
+            for line in std::mem::take(&mut compared.of_journal) {
+                if stands.contains(&line) && !self.has_line(line.n, line.sum())? {
+                    waits.push(line);
+                }
+            }
+            compared.of_journal = waits;
+        }
+        Ok((found, compared))
     }
 
     /// Compares both line by line, and writes into the journal what it lacks.
@@ -161,6 +190,20 @@ impl Store {
         Ok(self.words()?.missed.clone())
     }
 }
+
+/// Longest time from a line in the journal to the end of its transaction, which has nothing left but to commit. Chosen: many
+/// times what a slow disk takes.
+const COMMIT: Duration = Duration::from_secs(5);
+/// How long to wait before one looks again.
+const GLANCE: Duration = Duration::from_millis(20);
+/// A journal that is not there.
+static NOTHING: Found = Found {
+    lines: Vec::new(),
+    damaged: Vec::new(),
+    gaps: Vec::new(),
+    is_torn: false,
+    last_number: 0,
+};
 
 /// What is being done here, for errors.
 const DOING: &str = "holding the database against the journal";

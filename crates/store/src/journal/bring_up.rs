@@ -44,7 +44,7 @@ pub(super) fn completed(
 ) -> Result<Locked, StoreError> {
     let path = path_in(campaign);
     let follow = compared.of_database.iter().all(|line| line.n > found.last_number);
-    if follow && found.damaged.is_empty() && found.gaps.is_empty() {
+    if follow && found.is_whole() {
         let file = &mut locked.file;
         let end = tail::mended(file).map_err(|source| failed(&path, source))?;
         let text = text_of(compared.of_database.iter());

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::entry::Line;
 use super::{line, tail};
-use crate::StoreError;
+use crate::{StoreError, locks};
 use ieap_system::Temporary;
 use ieap_system::fs::{self, File, OpenOptions, TryLockError};
 
@@ -112,6 +112,13 @@ pub struct Found {
     pub last_number: u64,
 }
 
+impl Found {
+    /// Whether every line that should be there is, and can be trusted.
+    pub fn is_whole(&self) -> bool {
+        self.damaged.is_empty() && self.gaps.is_empty()
+    }
+}
+
 /// Reads the journal of the campaign in `folder`; `None` where there is none.
 ///
 /// # Errors
@@ -189,7 +196,9 @@ fn wait(file: &File, path: &Path) -> Result<(), StoreError> {
                     doing: "writing the journal",
                 });
             }
-            Err(TryLockError::Error(source)) => return Err(failed(path, source)),
+            Err(TryLockError::Error(source)) => {
+                return Err(locks::refused(path, "locking the journal", source));
+            }
         }
     }
 }

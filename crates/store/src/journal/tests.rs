@@ -205,7 +205,7 @@ fn a_journal_that_went_back_in_time_gets_what_it_lacks_at_the_next_opening_or_ch
         let whole = fs::read_to_string(path_in(folder.path())).unwrap();
         cut_to(folder.path(), kept);
         assert!(!store.is_agreed(folder.path()).unwrap());
-        let compared = store.compared(folder.path()).unwrap();
+        let (_, compared) = store.compared(folder.path()).unwrap();
         assert!(compared.is_database_whole() && compared.of_database.len() == 3 - kept);
         assert_eq!(store.agree().unwrap().written.len(), 3 - kept);
         assert_eq!(fs::read_to_string(path_in(folder.path())).unwrap(), whole);

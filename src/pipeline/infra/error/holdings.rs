@@ -21,11 +21,23 @@ pub enum HoldingsError {
     },
     /// There was an archive.
     #[error(
-        "{}: the archive with the raw files is not there, but the database names raw files. Put the archive back from a backup. If there is none, `ieap run --new-archive` makes a new one from the files that still lie in the campaign.", path.display()
+        "{}: the archive with the raw files is not there, or not all of it: archive/database-id is missing, and {lacks}. Mount its disk, or put the archive back from a backup. If there is none, `ieap run --new-archive` makes a new one from the files that still lie in the campaign.", path.display()
     )]
     ArchiveLost {
         /// Where it should be.
         path: PathBuf,
+        /// What is not there.
+        lacks: String,
+    },
+    /// A database of an earlier version cannot be made anew without a loss.
+    #[error(
+        "{}: an earlier version of the program made the database, and it would be made anew from the archive, which is not whole: {lacks}. Nothing was changed. Mount the disk of archive/, or put it back from a backup, then run again. If it is lost, `ieap rebuild` makes the database of what is left, names what did not come back, and keeps the old one.", path.display()
+    )]
+    LossAhead {
+        /// The database file.
+        path: PathBuf,
+        /// What is not there.
+        lacks: String,
     },
     /// Database and archive are of two campaigns.
     #[error(

@@ -230,6 +230,21 @@ impl PipelineError {
         matches!(self, PipelineError::Store(StoreError::SecondInstance { .. }))
     }
 
+    /// Whether the campaign cannot be written now and may well be read: another program works on it, or there is no right to
+    /// write.
+    pub fn cannot_write(&self) -> bool {
+        use std::io::ErrorKind::{PermissionDenied, ReadOnlyFilesystem};
+        let no_right = |source: &io::Error| matches!(source.kind(), PermissionDenied | ReadOnlyFilesystem);
+        match self {
+            PipelineError::Store(StoreError::File { source, .. }) | PipelineError::File { source, .. } => {
+                no_right(source)
+            }
+            PipelineError::Store(StoreError::ReadOnly { .. } | StoreError::CannotOpen { .. }) => true,
+            PipelineError::Archive(ArchiveError::Denied { .. }) => true,
+            other => other.is_second_instance(),
+        }
+    }
+
     /// Whether the disk or the database refused, rather than the user's input being wrong.
     pub fn is_storage(&self) -> bool {
         use PipelineError as E;

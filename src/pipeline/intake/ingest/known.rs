@@ -1,10 +1,12 @@
 //! What the database knows of files, held against what lies in the folder.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::prepare::LARGEST_FILE_BYTES;
 use super::statements::is_statement;
 use super::{Readers, now};
-use crate::ingest::scan::{self, Changes, Known};
+use crate::ingest::archive;
+use crate::ingest::scan::{self, Changes, Known, SeenFile};
 use crate::pipeline::intake::climate::log_folders;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FileRow;
@@ -36,7 +38,20 @@ pub fn files_due(context: &Context) -> Result<usize, PipelineError> {
     let again = unchanged
         .filter(|path| outdated.contains(path) || orphans.contains(path))
         .count();
-    Ok(changes.new.len() + changes.changed.len() + gone + again)
+    let stored: BTreeMap<&str, &FileRow> = stored.iter().map(|file| (&*file.path, file)).collect();
+    let changed = changes.changed.iter();
+    let changed = changed.filter(|file| {
+        let row = stored.get(file.display.as_str());
+        outdated.contains(file.display.as_str()) || row.is_none_or(|row| has_other_bytes(context, file, row))
+    });
+    Ok(changes.new.len() + changed.count() + gone + again)
+}
+
+/// Whether a file that has another time or place on the disk has other bytes, too: a copy of a campaign has all its files so.
+fn has_other_bytes(context: &Context, file: &SeenFile, row: &FileRow) -> bool {
+    let read = (context.read_file)(&file.location(&context.folder), LARGEST_FILE_BYTES);
+    let hash = read.ok().map(|bytes| archive::hash(&bytes));
+    row.missing_since.is_some() || hash.is_none() || hash != row.hash
 }
 
 pub fn known(stored: &[FileRow]) -> Vec<Known<'_>> {

@@ -337,6 +337,10 @@ fn list_states(context: &Context, summary: &mut IngestSummary) -> Result<(), Pip
             _ => {}
         }
     }
+    let profiles = context.profiles.refused.iter();
+    summary
+        .refused
+        .extend(profiles.map(|refused| (refused.path.clone(), refused.issue())));
     summary.waiting.sort();
     summary.waiting.dedup();
     summary.untagged = context.store.untagged_runs()?;

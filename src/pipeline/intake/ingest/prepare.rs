@@ -11,7 +11,7 @@ use crate::ingest::being_read::BeingRead;
 use crate::ingest::clocks::{self, FileClock};
 use crate::ingest::folder_dates::order_beside;
 use crate::ingest::formats::{ReadContext, ReadError};
-use crate::ingest::profiles::{self, Profile};
+use crate::ingest::profiles::{self, Profile, Profiles};
 use crate::ingest::run_sheet;
 use crate::ingest::scan::{ReadFileError, SeenFile};
 use crate::ingest::{Reading, RunTable};
@@ -121,7 +121,7 @@ pub struct With<'a> {
     /// The campaign folder.
     pub folder: &'a Path,
     /// Its saved profiles.
-    pub profiles: &'a [Profile],
+    pub profiles: &'a Profiles,
     /// What campaign.toml says.
     pub campaign: &'a Campaign,
     /// What gives their bytes.
@@ -208,7 +208,13 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
         }
         read => read,
     };
-    let outcome = match caught(read) {
+    let read = caught(read);
+    if may_be_of_profile(&read)
+        && let Some(refused) = with.profiles.waiting_for(name, bytes)
+    {
+        return (Outcome::Unread(refused.issue_of_file()), None);
+    }
+    let outcome = match read {
         Ok(Ok((reading, profile))) => return (Outcome::Read(Box::new(reading)), profile.cloned()),
         Ok(Err(error)) if error.is_pending() => Outcome::Pending(error.issue()),
         Ok(Err(error)) if error.is_sidecar() => Outcome::Sidecar(error.issue()),
@@ -219,6 +225,19 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
         }
     };
     (outcome, None)
+}
+
+/// Whether what a reader made of a file may be another thing by a profile: no maker's format and no profile knew the file.
+fn may_be_of_profile(read: &Result<Result<(Reading, Option<&Profile>), ReadError>, String>) -> bool {
+    match read {
+        Ok(Ok((reading, profile))) => {
+            let mut formats = crate::ingest::formats::ALL.iter();
+            let format = formats.find(|format| format.id() == reading.format);
+            profile.is_none() && format.is_none_or(|format| format.is_generic())
+        }
+        Ok(Err(error)) => !error.is_pending() && !error.is_sidecar(),
+        Err(_) => true,
+    }
 }
 
 /// A table that becomes a run, with the name it adds to the file's.

@@ -11,7 +11,7 @@ use crate::ingest::arrays as in_memory;
 pub use crate::ingest::arrays::Column;
 use crate::ingest::campaign_file;
 use crate::ingest::formats::ReadContext;
-use crate::ingest::profiles;
+use crate::ingest::profiles::{self, Profiles};
 use crate::ingest::text::header::Header;
 use crate::pipeline::intake::ingest::run_parts;
 use crate::pipeline::{PipelineError, failed};
@@ -63,9 +63,10 @@ pub fn read(file: &Path) -> Result<Result<Vec<ReadTable>, Issue>, PipelineError>
     let (profiles, context) = match &campaign {
         Some(folder) => {
             let read = campaign_file::read(folder)?;
-            (profiles::load(folder)?, ReadContext::of(&read.campaign))
+            let profiles = profiles::load(folder).strict()?;
+            (profiles, ReadContext::of(&read.campaign))
         }
-        None => (Vec::new(), ReadContext::default()),
+        None => (Profiles::default(), ReadContext::default()),
     };
     // A log without a response is a table, too: what is missing for a fit is said when one is asked for.
     let context = ReadContext {

@@ -27,7 +27,7 @@ pub fn part(context: &Context, observer: &dyn Observer) -> Result<Part, Pipeline
     };
     match holdings::check(&context.folder, &context.store) {
         // A database that was never written has no archive.
-        Err(PipelineError::Holdings(error)) => {
+        Err(error @ (PipelineError::Holdings(_) | PipelineError::Store(_))) => {
             findings.push(Issue::error("holdings", error.to_string()));
         }
         other => other?,

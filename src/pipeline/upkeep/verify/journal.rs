@@ -9,7 +9,7 @@ use crate::pipeline::show::report::line_of_report;
 use crate::pipeline::upkeep::rebuild::what_is_wrong;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::StoreError;
-use crate::store::journal::{self, Found};
+use crate::store::journal::{self, Compared, Found};
 
 /// Name of the part.
 const NAME: &str = "journal";
@@ -28,17 +28,27 @@ pub fn alone(folder: &Path) -> Result<Part, PipelineError> {
 /// # Errors
 /// It or the database cannot be read.
 pub fn part(context: &Context) -> Result<Part, PipelineError> {
-    let found = journal::read(&context.folder)?;
+    let (found, mut findings) = match context.store.compared(&context.folder) {
+        Ok((found, compared)) => {
+            let lacks = what_is_lacked(&compared, found.is_some());
+            (found, lacks)
+        }
+        Err(error @ StoreError::Parted { .. }) => {
+            let parted = Issue::error("journal-parted", error.to_string());
+            (journal::read(&context.folder)?, vec![parted])
+        }
+        Err(error) => return Err(error.into()),
+    };
     if found.is_none() && context.store.last_said()? == journal::End::default() {
         return Ok(Part {
             part: NAME,
             looked_at: "nothing was said yet".to_owned(),
-            findings: Vec::new(),
+            findings,
         });
     }
     let mut part = of_lines(found.as_ref());
     part.findings.extend(missed(context)?);
-    part.findings.extend(course(context)?);
+    part.findings.append(&mut findings);
     Ok(part)
 }
 
@@ -57,17 +67,23 @@ fn of_lines(found: Option<&Found>) -> Part {
     }
 }
 
+/// What the database and the journal lack of each other, where they do not end level: for whoever only reads, and mends
+/// nothing.
+///
+/// # Errors
+/// The database or the journal cannot be read; [`StoreError::Parted`] where they are of two courses.
+pub fn behind(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+    // A database in memory, where there is none yet, has no journal.
+    if !context.store.path().exists() || context.store.is_level(&context.folder)? {
+        return Ok(Vec::new());
+    }
+    let (found, compared) = context.store.compared(&context.folder)?;
+    Ok(what_is_lacked(&compared, found.is_some()))
+}
+
 /// What one of them lacks.
-fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
+fn what_is_lacked(compared: &Compared, has_journal: bool) -> Vec<Issue> {
     let mut found = Vec::new();
-    let compared = match context.store.compared(&context.folder) {
-        Ok(compared) => compared,
-        Err(error @ StoreError::Parted { .. }) => {
-            found.push(Issue::error("journal-parted", error.to_string()));
-            return Ok(found);
-        }
-        Err(error) => return Err(error.into()),
-    };
     if !compared.is_database_whole() {
         let message = format!("the database lacks what the journal says: {}", compared.lacks());
         let mend = if compared.can_be_said_again() {
@@ -78,7 +94,7 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
         found.push(Issue::error("database-lags", message).mend(mend));
     }
     let lacking = compared.of_database.len();
-    if lacking > 0 && journal::path_in(&context.folder).exists() {
+    if lacking > 0 && has_journal {
         let message = format!(
             "the journal lacks {} that the database has",
             counted(lacking, "line")
@@ -87,7 +103,7 @@ fn course(context: &Context) -> Result<Vec<Issue>, PipelineError> {
             Issue::error("journal-lags", message).mend("the next `ieap run` writes them from the database"),
         );
     }
-    Ok(found)
+    found
 }
 
 /// What journal and database both lack, in words, where nobody was told yet: the report was made when they had more.

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::domain::Issue;
 use crate::pipeline::{Context, Observer, PipelineError};
-pub use journal::{cut, missed};
+pub use journal::{behind, cut, missed};
 pub use part::Part;
 pub(crate) use short::of_archive;
 pub(crate) use weekly::Weekly;
