@@ -11,7 +11,7 @@ use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, counted, run_table};
+use crate::campaign::{CAMPAIGN_TOML, CampaignFolder, chosen_tag, counted, run_table};
 use crate::rebuild::{content, without_database};
 
 /// Seed of what is drawn.
@@ -300,6 +300,57 @@ fn same_as_fresh(seed: u64) {
             .collect();
         assert_eq!(differences, [], "rebuilt, seed {seed}: {:#?}", world.course);
     }
+}
+
+fn standing_of(folder: &CampaignFolder, run: &str) -> String {
+    let context = Context::open_read_only(folder.path()).unwrap();
+    let mut runs = standing::all(&context).unwrap().into_iter();
+    runs.find(|own| own.path == run)
+        .unwrap()
+        .standing
+        .key()
+        .to_owned()
+}
+
+#[test]
+fn the_next_measurement_under_an_old_name_has_none_of_its_words() {
+    let folder = campaign();
+    folder.write("runs/run-0.csv", run_table(1));
+    folder.run_json();
+    folder.ieap(&["tag", "runs/run-0.csv", "note=wet"]).expect(0);
+    folder
+        .ieap(&["drop", "runs/run-0.csv", "--why", "clip slipped"])
+        .expect(0);
+    fs::rename(folder.join("runs/run-0.csv"), folder.join("runs/run-9.csv")).unwrap();
+    folder.write("runs/run-0.csv", run_table(2));
+    // Which of them is meant by the name nobody knows before the next look.
+    let refused = folder.ieap(&["tag", "runs/run-0.csv", "note=dry"]).expect(2);
+    assert!(refused.stderr.contains("ieap run"), "{refused:#?}");
+    let summary = folder.run_json();
+    let renamed = serde_json::json!([["runs/run-0.csv", "runs/run-9.csv"]]);
+    assert_eq!(summary["ingest"]["renamed"], renamed);
+    assert_eq!(standing_of(&folder, "runs/run-0.csv"), "speaks");
+    assert_eq!(standing_of(&folder, "runs/run-9.csv"), "dropped");
+    assert_eq!(chosen_tag(folder.path(), "runs/run-0.csv", "note"), None);
+    assert_eq!(
+        chosen_tag(folder.path(), "runs/run-9.csv", "note").unwrap(),
+        "wet"
+    );
+    // The dropped one is overwritten: what was said of it holds of nothing, and is listed.
+    folder.write("runs/run-9.csv", run_table(3));
+    assert_eq!(
+        folder.run_json()["ingest"]["replaced"],
+        serde_json::json!(["runs/run-9.csv"])
+    );
+    assert_eq!(standing_of(&folder, "runs/run-9.csv"), "speaks");
+    let status = folder.ieap(&["status", "--json"]).json()["status"].clone();
+    assert_eq!(status["words_of_no_run"][0]["code"], "words-of-no-run");
+    let said = status["words_of_no_run"][0]["message"].as_str().unwrap();
+    assert!(
+        said.contains("clip slipped") && said.contains("note=wet"),
+        "{said}"
+    );
+    folder.ieap(&["verify", "--deep"]).expect(0);
 }
 
 #[test]

@@ -294,6 +294,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("watch-events", By("crates/ingest/src/watch/tests.rs", "events_are_tried_again_with_each_full_scan")),
     ("watch-polling", By("crates/ingest/src/watch/tests.rs", "events_are_tried_again_with_each_full_scan")),
     ("words-may-be-lost", By("tests/it/two_stores.rs", "words_that_may_be_lost_are_told_until_a_person_answers")),
+    ("words-of-no-run", By("tests/it/words_and_names.rs", "the_next_measurement_under_an_old_name_has_none_of_its_words")),
 ];
 
 /// The size of the sample in [`CAMPAIGN_TOML`].

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::fingerprint::{changed_ns, identity, modified_ns};
 use super::{Scan, SeenFile, parse_display_path};
-use ieap_system::fs::{self, Metadata};
+use ieap_system::fs;
 
 /// A file as it is stored from the scan before.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,25 +76,25 @@ fn differs(known: &Known<'_>, seen: &SeenFile) -> bool {
         || other_change
 }
 
-/// Whether the file that lies under a name now is not the one that is stored; not, where none lies there.
+/// Whether the file that lies under a name now is not the one that is stored, or cannot be looked at; not, where none lies there.
 pub fn is_another(campaign: &Path, known: &Known<'_>) -> bool {
     let relative = parse_display_path(known.display);
-    let found = fs::metadata(campaign.join(&relative))
-        .ok()
-        .filter(Metadata::is_file);
-    found.is_some_and(|found| {
-        let seen = SeenFile {
-            relative,
-            display: known.display.to_owned(),
-            size_bytes: found.len(),
-            modified_ns: modified_ns(&found),
-            inode: identity(&found).1,
-            changed_ns: changed_ns(&found),
-            age: None,
-            link_target: None,
-        };
-        differs(known, &seen)
-    })
+    let found = match fs::metadata(campaign.join(&relative)) {
+        Ok(found) => found,
+        Err(error) => return error.kind() != std::io::ErrorKind::NotFound,
+    };
+    let seen = SeenFile {
+        relative,
+        display: known.display.to_owned(),
+        size_bytes: found.len(),
+        modified_ns: modified_ns(&found),
+        inode: identity(&found).1,
+        changed_ns: changed_ns(&found),
+        age: None,
+        link_target: None,
+    };
+    // A folder of frames has a fingerprint of all its pictures.
+    found.is_file() && differs(known, &seen)
 }
 
 fn is_below(display: &str, folders: &[String]) -> bool {
