@@ -7,11 +7,14 @@ use serde::Serialize;
 
 use crate::domain::tag::keys;
 use crate::domain::{Campaign, FileState, Issue, RunRecord, RunState, Tag, TagSource};
+use crate::ingest::archive;
 use crate::ingest::scan::{is_another, parse_display_path};
 use crate::ingest::tags::{objection, value_objection};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate;
-use crate::pipeline::intake::ingest::{IngestSummary, known, retag_runs, together, unreadable_tags};
+use crate::pipeline::intake::ingest::{
+    IngestSummary, LARGEST_FILE_BYTES, known, retag_runs, together, unreadable_tags,
+};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, HandTag};
 
@@ -270,14 +273,25 @@ fn refuse_unseen(context: &Context, run: &str) -> Result<(), PipelineError> {
         .collect();
     let rows = context.store.files()?;
     let of_run: Vec<FileRow> = rows.into_iter().filter(|row| paths.contains(&row.path)).collect();
-    let another = known(&of_run)
-        .into_iter()
-        .find(|file| is_another(&context.folder, file));
-    match another {
-        Some(file) => Err(PipelineError::Unseen {
-            file: file.display.to_owned(),
+    let looks_other = |row: &&FileRow| {
+        let mut files = known(std::slice::from_ref(*row)).into_iter();
+        files.any(|file| is_another(&context.folder, &file))
+    };
+    let mut looking = of_run.iter().filter(looks_other);
+    match looking.find(|row| holds_other(context, row)) {
+        Some(row) => Err(PipelineError::Unseen {
+            file: row.path.clone(),
         }),
         None => Ok(()),
+    }
+}
+
+/// Whether a file that looks another by its times holds other bytes: a copied campaign has files of its own with the same ones.
+fn holds_other(context: &Context, row: &FileRow) -> bool {
+    let location = context.folder.join(parse_display_path(&row.path));
+    match (context.read_file)(&location, LARGEST_FILE_BYTES) {
+        Ok(bytes) => Some(archive::hash(&bytes)) != row.hash,
+        Err(_) => true,
     }
 }
 

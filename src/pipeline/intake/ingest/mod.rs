@@ -43,7 +43,9 @@ use statements::{Statements, is_statement};
 pub(crate) use batch::together;
 pub use known::files_due;
 pub(crate) use known::known;
-pub(crate) use prepare::{Outcome, PreparedFile, RunPart, With, prepare_bytes, run_parts};
+pub(crate) use prepare::{
+    LARGEST_FILE_BYTES, Outcome, PreparedFile, RunPart, With, prepare_bytes, run_parts,
+};
 pub use retag::retag_runs;
 pub(crate) use rows::{content_of, file_row, set_aside};
 pub(crate) use settle::{files_of_runs, runs_of};
