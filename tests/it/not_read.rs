@@ -87,7 +87,7 @@ fn a_known_run_stays_as_it_is_until_its_new_content_can_be_read() {
     let document = folder.ieap(&["status", "--json"]).expect(0).json();
     assert_eq!(document["status"]["runs"], 1);
     mend(&folder, "runs/a.csv");
-    assert_eq!(ingest(&folder).revised, ["runs/a.csv"]);
+    assert_eq!(ingest(&folder).replaced, ["runs/a.csv"]);
 }
 
 #[test]

@@ -156,7 +156,7 @@ fn what_stands_in_the_place_of_a_file_is_said() {
     let theirs = elsewhere.path().join("precious");
     std::fs::write(&theirs, "mine").unwrap();
     for (name, verb, status) in [
-        ("campaign.toml", "status", 2),
+        ("campaign.toml", "status", 3),
         ("campaign.db", "status", 4),
         ("archive/journal.jsonl", "verify", 4),
         ("archive/database-id", "run", 4),
@@ -210,7 +210,7 @@ fn a_statement_that_is_a_link_out_of_the_campaign_is_refused_with_its_name_and_t
     let shared = elsewhere.path().canonicalize().unwrap().join("shared");
     for (name, status) in [
         ("campaign.toml", 2),
-        ("profiles/lab.toml", 2),
+        ("profiles/lab.toml", 3),
         ("runs/tags.toml", 3),
         ("runs/a.csv.toml", 3),
         ("runs/plan.csv", 3),
@@ -258,7 +258,7 @@ fn no_value_and_no_byte_of_a_file_behind_a_link_comes_in() {
         "{run:#?}"
     );
     std::os::unix::fs::symlink(&secret, folder.join(links[3])).unwrap();
-    let refused = folder.ieap(&["run", "--no-diagnose"]).expect(2);
+    let refused = folder.ieap(&["run", "--no-diagnose"]).expect(3);
     assert!(!refused.stderr.contains("TOPSECRET"), "{refused:#?}");
     std::fs::remove_file(folder.join(links[3])).unwrap();
     let backup = elsewhere.path().join("backup");

@@ -80,7 +80,7 @@ fn a_table_and_a_file_of_one_name_are_two_runs_in_any_order() {
         let own = if book_first { names[2] } else { names[1] };
         let summary = folder.run_json();
         assert_eq!(
-            summary["ingest"]["revised"],
+            summary["ingest"]["replaced"],
             serde_json::json!([own]),
             "{summary:#}"
         );

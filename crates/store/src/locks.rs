@@ -44,7 +44,9 @@ pub(super) fn lacking_beside(path: &Path) -> Option<String> {
     use rustix::fs::{FlockOperation, Mode, OFlags, fcntl_lock};
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let nobodys = Temporary::new_in(folder.unwrap_or(Path::new(".")), ".part-", "", 0o600).ok()?;
-    let file = rustix::fs::open(nobodys.path(), OFlags::WRONLY, Mode::empty()).ok()?;
+    let Ok(file) = rustix::fs::open(nobodys.path(), OFlags::WRONLY, Mode::empty()) else {
+        return None;
+    };
     let error = io::Error::from(fcntl_lock(&file, FlockOperation::NonBlockingLockExclusive).err()?);
     is_lacking(&error).then(|| error.to_string())
 }

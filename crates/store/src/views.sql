@@ -68,7 +68,9 @@ FROM (SELECT
         AS files,
     (SELECT CASE WHEN CAST(line ->> '$.entry.drops' AS VARCHAR) IN ('1', 'true')
         THEN coalesce(CAST(line ->> '$.entry.why' AS VARCHAR), '') END
-     FROM journal_line WHERE what = 'word' AND journal_line.name = run.path ORDER BY n DESC LIMIT 1) AS dropped_why,
+     FROM journal_line WHERE what = 'word' AND (journal_line.name IN (run.path, run.measurement)
+         OR instr(' ' || run.continues || ' ', ' ' || journal_line.name || ' ') > 0)
+     ORDER BY n DESC LIMIT 1) AS dropped_why,
     (SELECT condemned.reason FROM condemned WHERE condemned.run = run.path LIMIT 1) AS condemned_why,
     nullif(CAST((SELECT json_group_array(other.path) FROM same
      JOIN run AS other ON other.data_hash = same.data_hash AND other.superseded_at IS NULL AND other.id <> same.run_id
