@@ -18,6 +18,9 @@ pub struct StudyArgs {
 
 pub fn run(args: &StudyArgs, output: &Output) -> Result<u8, CliError> {
     let context = args.campaign.open_to_show(output)?;
+    let not_read = crate::ingest::campaign_file::NOT_READ;
+    let warnings = context.warnings.iter().filter(|issue| issue.code != not_read);
+    warnings.for_each(|issue| output.issue("campaign.toml", issue));
     let found = study(&context)?;
     output.show(SCHEMA, &found, &lines(&found))?;
     Ok(exit::DONE)

@@ -85,8 +85,8 @@ fn copies_are_aliases_new_content_is_a_revision_and_a_moved_file_keeps_its_run()
 
     folder.write("runs/a.csv", run_table(7));
     let second = folder.run_json();
-    // Other readings under the name are another measurement.
-    assert_eq!(second["ingest"]["replaced"], serde_json::json!(["runs/a.csv"]));
+    // Its bytes lie under the other name, which is its own now.
+    assert_eq!(second["ingest"]["new"], serde_json::json!(["runs/a.csv"]));
 
     std::fs::rename(folder.join("runs/a.csv"), folder.join("runs/renamed.csv")).unwrap();
     let third = folder.run_json();
