@@ -188,6 +188,7 @@ pub fn around(name: &str, stream: &[u8]) -> Vec<u8> {
     file.extend(next.iter().flat_map(|id| id.to_le_bytes()));
     let small_sectors = stream.len().div_ceil(SMALL_SECTOR);
     let small_bytes = (small_sectors * SMALL_SECTOR) as u32;
+    #[allow(clippy::match_bool)]
     let (root, own) = match is_small {
         true => (
             (first, small_bytes),
