@@ -120,12 +120,11 @@ fn worse(seed: u64, from: usize, count: usize) -> impl Iterator<Item = (usize, F
         let (_, _, other) = &whole[random.random_range(0..whole.len())];
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         // Changed bytes of an archive break its check sums: what lies in it is made worse, and packed again.
-        let bytes = match name.ends_with(".xlsx") && random.random_bool(0.8) {
-            true => {
-                let sheet = samples::sheet_xml(samples::RUN.1);
-                samples::workbook(&[("Run 1", mutated(sheet.as_bytes(), other, LARGEST, &mut random))])
-            }
-            false => mutated(bytes, other, LARGEST, &mut random),
+        let bytes = if name.ends_with(".xlsx") && random.random_bool(0.8) {
+            let sheet = samples::sheet_xml(samples::RUN.1);
+            samples::workbook(&[("Run 1", mutated(sheet.as_bytes(), other, LARGEST, &mut random))])
+        } else {
+            mutated(bytes, other, LARGEST, &mut random)
         };
         (number, (id.clone(), name, bytes))
     })

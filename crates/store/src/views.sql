@@ -69,7 +69,9 @@ FROM (SELECT
     (SELECT CASE WHEN CAST(line ->> '$.entry.drops' AS VARCHAR) IN ('1', 'true')
         THEN coalesce(CAST(line ->> '$.entry.why' AS VARCHAR), '') END
      FROM journal_line WHERE what = 'word' AND (journal_line.name IN (run.path, run.measurement)
-         OR instr(' ' || run.continues || ' ', ' ' || journal_line.name || ' ') > 0)
+         OR (instr(' ' || run.continues || ' ', ' ' || journal_line.name || ' ') > 0
+             OR journal_line.name IN (SELECT hash FROM run_file WHERE run_id = run.id))
+         AND journal_line.name NOT IN (SELECT measurement FROM run AS other WHERE other.superseded_at IS NULL))
      ORDER BY n DESC LIMIT 1) AS dropped_why,
     (SELECT condemned.reason FROM condemned WHERE condemned.run = run.path LIMIT 1) AS condemned_why,
     nullif(CAST((SELECT json_group_array(other.path) FROM same

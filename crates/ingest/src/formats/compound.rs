@@ -188,13 +188,11 @@ pub fn around(name: &str, stream: &[u8]) -> Vec<u8> {
     file.extend(next.iter().flat_map(|id| id.to_le_bytes()));
     let small_sectors = stream.len().div_ceil(SMALL_SECTOR);
     let small_bytes = (small_sectors * SMALL_SECTOR) as u32;
-    #[allow(clippy::match_bool)]
-    let (root, own) = match is_small {
-        true => (
-            (first, small_bytes),
-            if stream.is_empty() { END_OF_CHAIN } else { 0 },
-        ),
-        false => ((END_OF_CHAIN, 0), first),
+    let (root, own) = if is_small {
+        let own = if stream.is_empty() { END_OF_CHAIN } else { 0 };
+        ((first, small_bytes), own)
+    } else {
+        ((END_OF_CHAIN, 0), first)
     };
     let mut folder = entry("Root Entry", 5, root.0, root.1);
     folder.extend(entry(name, 2, own, stream.len() as u32));

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::domain::Channel;
-use crate::ingest::archive::Archive;
+use crate::ingest::archive::{Archive, ArchiveError};
 use crate::ingest::same_readings::Record;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{Continues, RunContent};
@@ -31,12 +31,16 @@ pub fn continues(
     let shares_file = contents
         .iter()
         .any(|content| hashes.contains(&content.hash.as_str()));
+    if shares_file {
+        return Ok(Continues::Same);
+    }
     let archive = Archive::new(&context.folder);
-    let is_same = shares_file
-        || share_lines(
-            &lines(&archive, hashes.iter().copied()),
-            &lines(&archive, contents.iter().map(|content| content.hash.as_str())),
-        )
+    // Where the earlier bytes are lost nothing tells them from these, and what was said stays with the name.
+    let Some(earlier) = lines(&archive, hashes.iter().copied())? else {
+        return Ok(Continues::Same);
+    };
+    let own = contents.iter().map(|content| content.hash.as_str());
+    let is_same = lines(&archive, own)?.is_none_or(|own| share_lines(&earlier, &own))
         || share_readings(&context.store.channels_as_read(run_id)?, channels);
     Ok(if is_same {
         Continues::Same
@@ -45,15 +49,23 @@ pub fn continues(
     })
 }
 
-/// The lines of files of the archive, as hashes; of a file that is not a text what lies between its line feeds. None of one
-/// that cannot be read.
-fn lines<'a>(archive: &Archive, hashes: impl Iterator<Item = &'a str>) -> BTreeSet<u64> {
+/// The lines of files of the archive, as hashes; of a file that is not a text what lies between its line feeds. None where
+/// the archive has lost one, or holds it damaged.
+fn lines<'a>(
+    archive: &Archive,
+    hashes: impl Iterator<Item = &'a str>,
+) -> Result<Option<BTreeSet<u64>>, PipelineError> {
     let mut lines = BTreeSet::new();
-    for bytes in hashes.filter_map(|hash| archive.read(hash).ok()) {
+    for hash in hashes {
+        let bytes = match archive.read(hash) {
+            Ok(bytes) => bytes,
+            Err(ArchiveError::Absent { .. } | ArchiveError::Damaged { .. }) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
         let of_file = bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
         lines.extend(of_file.filter(|line| !line.is_empty()).map(hashed));
     }
-    lines
+    Ok(Some(lines))
 }
 
 fn hashed(line: &[u8]) -> u64 {
