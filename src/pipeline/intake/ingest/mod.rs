@@ -107,7 +107,8 @@ impl Ingest<'_> {
         let of_runs = |path: &str| !of_logs(path) && !is_statement(path);
         let looked = named_by_bytes(context, (&seen, stored), (&of_runs, FileState::Run), observer)?;
         let (stored, changes) = (looked.stored, looked.changes);
-        summary.renamed = looked.renamed;
+        summary.renamed = looked.renamed.names;
+        summary.replaced = looked.renamed.replaced;
         let readers = Readers::of(&context.profiles, &context.campaign, &stored);
         // Logs first, so that runs are tagged with them at once.
         for folder in log_folders(&runs_folder) {
@@ -196,7 +197,7 @@ impl Ingest<'_> {
             observer,
         )?;
         let (stored, changes) = (&looked.stored[..], looked.changes);
-        summary.logs.renamed.extend(looked.renamed);
+        summary.logs.renamed.extend(looked.renamed.names);
         summary.logs.files += seen.files.len();
         let readers = Readers::of(&context.profiles, &context.campaign, stored);
         let ready = self.ready_files(&readers, stored, &changes, summary);
@@ -253,8 +254,7 @@ impl Ingest<'_> {
 struct Looked {
     stored: Vec<FileRow>,
     changes: Changes,
-    /// Names before and now.
-    renamed: Vec<(String, String)>,
+    renamed: moves::Renamed,
 }
 
 fn named_by_bytes(
@@ -268,7 +268,7 @@ fn named_by_bytes(
     let mut held = context.store.held_files()?;
     held.retain(|file| wanted(&file.path));
     let renamed = moves::settle(context, (&held, state), (&stored, seen, &changes), observer)?;
-    if renamed.is_empty() {
+    if !renamed.is_moved {
         return Ok(Looked {
             stored,
             changes,

@@ -18,7 +18,8 @@ use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, HeldFile, Moves};
 
 /// Names runs, or logs, after the files that hold their bytes now; `stored` and `changes` are of the files of the scan, and
-/// `held` what current runs or logs were read from. Gives the names before and now.
+/// `held` what current runs or logs were read from. Gives the names before and now, and those of them that another measurement
+/// had, whose bytes lie nowhere any more.
 ///
 /// # Errors
 /// The database refuses.
@@ -27,7 +28,7 @@ pub fn settle(
     (held, state): (&[HeldFile], FileState),
     (stored, seen, changes): (&[FileRow], &Scan, &Changes),
     observer: &dyn Observer,
-) -> Result<Vec<(String, String)>, PipelineError> {
+) -> Result<Renamed, PipelineError> {
     let folder = Folder::of(context, stored, seen, changes);
     let moved = folder.moved(held, observer);
     let moves = named(held, &moved, |old, new, hash| folder.row(state, old, new, hash));
@@ -36,7 +37,33 @@ pub fn settle(
         renamed.for_each(|(old, new)| observer.say(&format!("{old} is {new} now")));
         context.store.move_files(&now(), &moves)?;
     }
-    Ok(moves.runs)
+    let olds: BTreeSet<&String> = moves.runs.iter().map(|(old, _)| old).collect();
+    let runs: BTreeSet<&String> = held.iter().map(|file| &file.run).collect();
+    let is_replaced = |new: &&String| runs.contains(new) && !olds.contains(new);
+    let news = moves.runs.iter().map(|(_, new)| new);
+    let replaced: Vec<String> = news.filter(is_replaced).cloned().collect();
+    for name in &replaced {
+        observer.say(&format!("what was {name} before is kept in the archive alone"));
+    }
+    let is_moved = !moves.files.is_empty();
+    let mut names = moves.runs;
+    names.retain(|(old, new)| old != new);
+    Ok(Renamed {
+        is_moved,
+        names,
+        replaced,
+    })
+}
+
+/// What became of names.
+#[derive(Debug, Default)]
+pub struct Renamed {
+    /// Whether any file has another name.
+    pub is_moved: bool,
+    /// Names of runs or logs before and now.
+    pub names: Vec<(String, String)>,
+    /// Names that another measurement had.
+    pub replaced: Vec<String>,
 }
 
 /// What lies in the folder.
@@ -82,9 +109,10 @@ impl<'a> Folder<'a> {
         let is_there = |held: &HeldFile| match self.is_certainly_there(held) {
             Some(is_there) => is_there,
             // What cannot be read now says nothing.
-            None => hashes[held.path.as_str()]
-                .as_ref()
-                .is_none_or(|hash| *hash == held.hash),
+            None => {
+                let hash = hashes.get(held.path.as_str()).and_then(Option::as_ref);
+                hash.is_none_or(|hash| *hash == held.hash)
+            }
         };
         let (there, away): (Vec<&HeldFile>, Vec<&HeldFile>) = held.iter().partition(|held| is_there(held));
         let taken: BTreeSet<&str> = there.iter().map(|held| held.path.as_str()).collect();

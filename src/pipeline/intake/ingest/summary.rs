@@ -18,7 +18,7 @@ pub struct IngestSummary {
     pub new: Vec<String>,
     /// Runs whose file has new content: a new revision.
     pub revised: Vec<String>,
-    /// Those of the new runs under whose name another measurement lay before: what was said of that one does not hold of them.
+    /// Runs under whose name another measurement lay before: what was said of that one does not hold of them.
     pub replaced: Vec<String>,
     /// Runs that took the name of a moved file: old and new.
     pub renamed: Vec<(String, String)>,
