@@ -244,8 +244,12 @@ fn state(folder: &CampaignFolder, files: &BTreeMap<String, Measurement>) -> BTre
             .iter()
             .map(|tag| format!("{}={} ({:?})", tag.key, tag.value, tag.source));
         let tags: Vec<String> = tags.collect();
-        let (hash, standing) = (&run.data_hash, run.standing.key());
-        (run.path, format!("{hash} {standing} {:?} {tags:?}", run.state))
+        // That readings were looked at is said of these alone: what is measured on is judged anew.
+        let (hash, standing) = (&run.data_hash, run.standing.speaks());
+        (
+            run.path,
+            format!("{hash} takes part: {standing} {:?} {tags:?}", run.state),
+        )
     });
     of.collect()
 }

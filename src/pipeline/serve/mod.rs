@@ -4,7 +4,7 @@
 //! needed for that, and none that is small is kept up. Only GET and HEAD of plain names below `report/` are answered.
 //! Whoever asks or takes too slowly is left ([`Limits`]), and whoever has not asked yet gives way to others, so that nobody
 //! keeps others from the report; who cannot be served because the system has no more open files is told to come again. Who may have what
-//! says [`guard`].
+//! says `guard`.
 
 pub mod answer;
 mod clients;

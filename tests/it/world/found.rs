@@ -44,7 +44,7 @@ fn ingest(context: &mut Context) -> IngestSummary {
 
 /// It was known as another name of a run that then got other content, and no run was of it any more.
 #[test]
-fn a_copy_becomes_a_run_when_the_file_that_it_copies_is_written_anew() {
+fn a_copy_becomes_the_run_when_the_file_that_it_copies_is_written_anew() {
     let folder = CampaignFolder::new();
     let log = "time,relative_humidity_percent\n2026-03-02T10:00:00Z,40\n2026-03-02T10:01:00Z,4";
     for copy in ["a", "b", "c"] {
@@ -62,13 +62,15 @@ fn a_copy_becomes_a_run_when_the_file_that_it_copies_is_written_anew() {
     folder.write("runs/a.csv", run_table(2));
     folder.write("ambient/a.csv", format!("{log}2\n"));
     let second = ingest(&mut context);
+    // The run is where its bytes are, and what is written anew is another one.
+    let renamed = |folder: &str| [(format!("{folder}/a.csv"), format!("{folder}/b.csv"))];
     assert_eq!(
-        (&second.revised[..], &second.new[..]),
-        (&["runs/a.csv".into()][..], &["runs/b.csv".into()][..])
+        (&second.renamed[..], &second.new[..]),
+        (&renamed("runs")[..], &["runs/a.csv".into()][..])
     );
     assert_eq!(
-        (&second.logs.revised[..], &second.logs.new[..]),
-        (&["ambient/a.csv".into()][..], &["ambient/b.csv".into()][..])
+        (&second.logs.renamed[..], &second.logs.new[..]),
+        (&renamed("ambient")[..], &["ambient/a.csv".into()][..])
     );
     assert!(!ingest(&mut context).changed());
 }

@@ -145,7 +145,7 @@ impl<'a> Folder<'a> {
                     .find(|(old, _)| away.get(old.as_str()) == Some(&hash))
                 {
                     observer.warn(&format!(
-                        "{old} lies under two new names, {first} and {path}: its run is named {first}; remove the other, or tag \
+                        "{old} lies under two other names, {first} and {path}: its run is named {first}; remove the other, or tag \
                          the run where they state different things"
                     ));
                 }
