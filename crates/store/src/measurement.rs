@@ -168,20 +168,21 @@ pub(super) fn rename_rows(
             .clocks
             .iter_mut()
             .for_each(|clock| rename(&mut clock.file));
-        let reading = to_json("what was read of a run", &reading)?;
+        let document = to_json("what was read of a run", &reading)?;
         transaction.change(RUN, ("id = ?1", &id), || {
             let sql = "UPDATE run SET path = ?2, reading = ?3 WHERE id = ?1";
             transaction
                 .prepare_cached(sql)?
-                .execute(params![id, new, reading])?;
+                .execute(params![id, new, document])?;
             Ok(())
         })?;
         transaction.change(RUN_FILE, ("run_id = ?1", &id), || {
-            for (before, now) in files {
-                let sql = "UPDATE run_file SET path = ?3 WHERE run_id = ?1 AND path = ?2";
+            // Each once: names may be exchanged.
+            let sql = "UPDATE run_file SET path = ?3 WHERE run_id = ?1 AND ordinal = ?2";
+            for (ordinal, file) in reading.files.iter().enumerate() {
                 transaction
                     .prepare_cached(sql)?
-                    .execute(params![id, before, now])?;
+                    .execute(params![id, ordinal as i64, file.path])?;
             }
             Ok(())
         })?;

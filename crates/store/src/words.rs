@@ -323,6 +323,9 @@ mod tests {
         store.move_files("now", &moves).unwrap();
         let dropped = |store: &Store| store.run_words().unwrap().into_keys().collect::<Vec<_>>();
         assert_eq!(dropped(&store), ["b"]);
+        let sql = "SELECT count(*) FROM run_file JOIN run ON run.id = run_id WHERE run_file.path <> run.path";
+        let elsewhere: i64 = store.connection.query_row(sql, [], |row| row.get(0)).unwrap();
+        assert_eq!(elsewhere, 0, "files of runs whose names were exchanged");
         // Measured on: the same.
         let mut revised = new_run("b", RunKind::Actuation, &[0.0, 2.0, 3.0]);
         store.save_runs("now", &[], &[revised.clone()]).unwrap();

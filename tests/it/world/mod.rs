@@ -242,14 +242,17 @@ impl World {
             };
             let (run, set_by) = (run.path.clone(), "ann".to_owned());
             let pairs = vec![pair];
-            SetTags {
+            let tags = SetTags {
                 runs: vec![run.clone()],
                 pairs,
                 set_by,
                 even_so: false,
+            };
+            match tags.run(context, &Silent) {
+                // Another file lies under the name since the last look: nothing is said.
+                Err(PipelineError::Unseen { .. }) => Ok(None),
+                tagged => tagged.map(|_| Some(run)),
             }
-            .run(context, &Silent)?;
-            Ok(Some(run))
         });
         tagged.map(|tagged| tagged.map(|run| self.tagged.extend(run.map(|run| (run, value)))))
     }
