@@ -14,6 +14,9 @@ use ieap_domain::Issue;
 /// Texts of these beginnings are packed: what stands in them is not seen in their bytes.
 const PACKED: [&[u8]; 3] = [b"PK", b"\xd0\xcf\x11\xe0", b"\x1f\x8b"];
 
+/// Looks at a text, each without the lines that were wrong at the one before. Chosen: a slip or two are left out in as many.
+const MOST_LOOKS: usize = 16;
+
 /// The saved profiles of a campaign, and those among its files that cannot be read.
 #[derive(Debug, Default)]
 pub struct Profiles {
@@ -59,7 +62,7 @@ pub struct RefusedProfile {
     pub path: String,
     /// Why.
     pub error: ProfileError,
-    /// What can be read of it all the same; none where the system does not give it.
+    /// What can be read of it all the same; none where the system does not give it, or nothing can be made of it.
     says: Option<Says>,
 }
 
@@ -77,7 +80,7 @@ impl RefusedProfile {
         RefusedProfile {
             path,
             error,
-            says: text.map(Says::of),
+            says: text.and_then(Says::of),
         }
     }
 
@@ -108,9 +111,31 @@ impl RefusedProfile {
 }
 
 impl Says {
-    fn of(text: &str) -> Says {
-        let (table, _) = DeTable::parse_recoverable(text);
-        let table = table.get_ref();
+    /// Without the lines that are wrong; none where what is left after some of them is wrong as well.
+    fn of(text: &str) -> Option<Says> {
+        let mut text = text.to_owned();
+        for _ in 0..MOST_LOOKS {
+            let (table, errors) = DeTable::parse_recoverable(&text);
+            if errors.is_empty() {
+                return Some(Says::of_table(table.get_ref()));
+            }
+            let wrong: BTreeSet<usize> = (errors.iter())
+                .filter_map(|error| Some(text.get(..error.span()?.start)?.matches('\n').count()))
+                .collect();
+            let lines = text.split_inclusive('\n').enumerate();
+            let left: String = lines
+                .filter(|(at, _)| !wrong.contains(at))
+                .map(|(_, line)| line)
+                .collect();
+            if left == text {
+                return None;
+            }
+            text = left;
+        }
+        None
+    }
+
+    fn of_table(table: &DeTable<'_>) -> Says {
         let within = |first: &str, key: &str| table.get(first)?.get_ref().as_table()?.get(key);
         let column = |column: &Spanned<DeValue<'_>>| as_text(column.get_ref().as_table()?.get("column"));
         let contains = as_list(within("recognise", "contains")).iter();

@@ -168,7 +168,9 @@ mod tests {
         fs::write(&path, [0; 11]).unwrap();
         let error = read_stable(&path, 10).unwrap_err();
         assert!(
-            error.to_string().contains("11 bytes, more than the limit of 10"),
+            error
+                .to_string()
+                .contains("11 bytes, more than the 10 bytes that are read"),
             "{error}"
         );
         let link = folder.path().join("link");
