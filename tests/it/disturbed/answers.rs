@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ieap::domain::Severity;
 use ieap::pipeline::show::explain::{explain, rows_and_columns};
 use ieap::pipeline::show::tables::{find_format, table};
 use ieap::pipeline::upkeep::status::status;
@@ -113,7 +114,12 @@ fn answer(campaign: &Path, work: impl Fn(&Context) -> Result<(i32, Value), Pipel
         let context = Context::open_read_only(campaign)?;
         let (status, document) = work(&context)?;
         take_apart(&document, "", &mut cells);
-        Ok((status, None))
+        // As every verb that shows does: a database that lags is told, with status 3.
+        let lags = context
+            .agreed
+            .iter()
+            .any(|issue| issue.severity == Severity::Error);
+        Ok((if lags { status.max(3) } else { status }, None))
     });
     Answer {
         status: done.status,
