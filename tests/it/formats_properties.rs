@@ -82,7 +82,7 @@ fn cuts_by(name: &str, bytes: &[u8], read: &dyn Fn(&[u8]) -> Option<Reading>) ->
 
 /// Formats that can be read only whole, but for blanks at their ends: their table of contents stands at the end, or
 /// they are one document.
-const WHOLE_OR_NOTHING: [&str; 3] = ["palmsens-session", "parquet", "matlab-mat"];
+const WHOLE_OR_NOTHING: [&str; 4] = ["palmsens-session", "eplexor-xls", "parquet", "matlab-mat"];
 
 /// Every format of the registry has at least one sample here that it reads, and of those that are not read whole or
 /// not at all some cuts, too: what was never read was never compared.
