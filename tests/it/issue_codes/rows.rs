@@ -73,6 +73,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("database-not-opened", By("tests/it/verify.rs", "a_number_that_changed_is_found_and_a_rebuilding_mends_it")),
     ("date-uncertain", Format("ivium-text/ca.comma_cut.txt")),
     ("decimal-marks-differ", By("crates/ingest/tests/reading_cases/names_and_blocks.rs", "a_column_has_its_own_decimal_mark")),
+    ("displacement-zero", By("src/pipeline/intake/ingest/places.rs", "a_sensor_that_was_not_zeroed_is_told_with_what_a_bent_strip_would_be")),
     ("displacement-beyond-strip", By("src/pipeline/intake/ingest/places.rs", "a_tip_that_moves_further_than_the_strip_is_long_is_in_another_unit")),
     ("drive-contradicted", By("crates/ingest/src/drive/tests.rs", "readings_win_over_a_stated_drive_that_they_contradict")),
     ("duplicate-quantity", Format("plain-table/step.duplicate_current.csv")),
