@@ -277,6 +277,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("time-not-used", By("crates/ingest/src/formats/plain_table.rs", "a_modulus_log_of_an_eplexor_as_text_has_its_units_in_the_second_row")),
     ("time-order", Format("plain-table/refused.clock_too_coarse.csv")),
     ("time-rebuilt", Format("chi-text/it.repeated_times.txt")),
+    ("zone-not-understood", By("crates/ingest/tests/kinds/zones.rs", "a_zone_is_read_or_said_not_to_be_understood")),
     ("time-unit-shown", By("crates/ingest/src/formats/plain_table.rs", "dates_beside_a_time_show_its_unit")),
     ("too-large", By("crates/ingest/src/formats/workbook_parts.rs", "what_unpacks_to_too_much_is_refused")),
     ("two-steps-only", By("crates/fit/src/law/tests.rs", "what_a_rival_does_not_describe_is_said")),
