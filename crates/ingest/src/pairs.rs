@@ -5,6 +5,7 @@
 //! instead, as is a half without a partner.
 
 mod clocks;
+mod half;
 mod names;
 #[cfg(test)]
 mod tests;
@@ -12,20 +13,11 @@ mod tests;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern, NoSurroundings};
+pub use half::Half;
+
 use crate::{StartedAt, Timestamp};
 use ieap_domain::Quantity;
 use ieap_domain::pairs::{HalfKind, LoneHalf, Pair, PairNames, PairRules, PairedBy};
-
-/// A file that holds half of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Half {
-    /// Its path relative to the campaign, with `/`.
-    pub path: String,
-    /// What it holds.
-    pub kind: HalfKind,
-    /// When it began and ended, s since 1970, as far as its clock tells: of two files without a zone both are read as UTC.
-    pub window_s: Option<(f64, f64)>,
-}
 
 /// What becomes of halves.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Two instruments' clocks differ by a number that nobody knows, but it is one number a folder: the one at which the most files
 //! with a current and files with a bending begin, or end, together.
 
-use super::Half;
+use super::half::Half;
 
 /// By how much a hand that starts two instruments scatters, s. Chosen.
 const SCATTER_S: f64 = 12.0;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{Half, alone_with_key};
+use super::alone_with_key;
+use super::half::Half;
 use crate::name_pattern::{NoSurroundings, parts_of_name};
 use ieap_domain::pairs::{HalfKind, PairedBy};
 use ieap_domain::tag::keys;

@@ -186,6 +186,7 @@ mod tests {
         };
         let of = |readings| zero_at_rest(&[tip(readings)], &Drive::step(1.0), 10.0);
         let told = of([0.21, 0.21, 1.0, 2.21]).unwrap();
+        assert_eq!(told.code, "displacement-zero");
         assert!(
             told.message.contains("reads 0.210 mm") && told.message.contains(" % less"),
             "{}",

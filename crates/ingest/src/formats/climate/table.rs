@@ -36,7 +36,7 @@ impl Format for ClimateTable {
             id: "climate-table",
             title: "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)",
             extensions: &["csv", "txt", "tsv", "dat"],
-            version: 6,
+            version: 7,
         }
     }
 
