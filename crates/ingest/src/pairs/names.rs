@@ -174,16 +174,13 @@ pub(super) fn partner_of(
         HalfKind::Bending => (halves[b].path.as_str(), halves[e].path.as_str()),
     };
     let holds = half.kind.partner();
-    // A name is told only where the names of all pairs follow from one of them: else nobody ever called a file so.
-    let follows = |(own, partner): &(&str, &str)| {
-        let mut others = pairs.iter().map(of_pair);
-        others.all(|(other, its)| translated(other, own, partner).as_deref() == Some(its))
-    };
-    let named = pairs
-        .first()
+    // A name is told where all pairs that lead to one lead to the same: else nobody ever called a file so.
+    let names: BTreeSet<String> = pairs
+        .iter()
         .map(of_pair)
-        .filter(follows)
-        .and_then(|(own, partner)| translated(&half.path, own, partner));
+        .filter_map(|(own, partner)| translated(&half.path, own, partner))
+        .collect();
+    let named = names.first().filter(|_| names.len() == 1);
     match named {
         Some(name) => format!("{name} with {holds}"),
         None => {

@@ -121,7 +121,8 @@ fn parted(cell: &str) -> Option<(&str, &str)> {
     let is_number = [Decimal::Point, Decimal::Comma]
         .into_iter()
         .any(|decimal| matches!(number::parse(number, decimal), Cell::Number(_)));
-    let is_unit = !unit.is_empty() && is_known(unit);
+    // Half of a number that another separator cut is none: `914018 <tab> 1`.
+    let is_unit = !unit.is_empty() && !unit.starts_with(|c: char| c.is_ascii_digit()) && is_known(unit);
     (is_number && is_unit).then_some((number, unit))
 }
 
@@ -169,5 +170,7 @@ mod tests {
             Some("Logger 3\nTime;T (°C);RH (%RH)\n10:00;21.0;45\n10:01;21.1;45\n10:02;21.2;46\n")
         );
         assert_eq!(lifted("time_s,current_a\n0,1\n1,2\n2,3\n"), None);
+        let decimal_commas = "t\tF\ta\n\t0,914018\t1,204792\n\t0,537321\t1,208403\n\t0,616905\t1,213915\n";
+        assert_eq!(lifted(decimal_commas), None);
     }
 }

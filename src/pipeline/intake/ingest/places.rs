@@ -107,8 +107,9 @@ pub(super) fn zero_at_rest(channels: &[Channel], drive: &Drive, length_mm: f64) 
             String::new()
         } else {
             format!(
-                "; were the strip bent so at rest, it would bend by {} % more",
-                fixed(differs, 1)
+                "; were the strip bent so at rest, it would bend by {} % {}",
+                fixed(differs.abs(), 1),
+                if differs < 0.0 { "less" } else { "more" }
             )
         };
         let message = format!(
