@@ -402,12 +402,13 @@ fn codes(raw: &Raw, meanings: &[Meaning]) -> BTreeSet<(usize, u64)> {
             meaning.conversion(),
         );
         let possible: Vec<f64> = (column.numbers.iter())
-            .map(
-                |number| match is_impossible(quantity, *number, conversion.apply(*number)) {
-                    true => f64::NAN,
-                    false => *number,
-                },
-            )
+            .map(|number| {
+                if is_impossible(quantity, *number, conversion.apply(*number)) {
+                    f64::NAN
+                } else {
+                    *number
+                }
+            })
             .collect();
         let found = no_reading::codes(quantity, &possible);
         let is_code = |number: &f64| {

@@ -65,9 +65,11 @@ pub fn codes(quantity: Quantity, numbers: &[f64]) -> BTreeSet<u64> {
         // One number twice, farther away than all others lie from each other, is no course either.
         let stays = own.iter().any(|run| run.count > 1) && gap >= CODE_LEAP * (high - low);
         let leaps_far = is_far(*bits, SURE_CODE_LEAP) && (comes_again || is_round || stays);
-        match is_response {
-            true => gap > 0.0 && is_short && comes_again && leaps_far && comes_back(&runs, &own, scatter),
-            false => gap > 0.0 && leaps_far && (comes_again || gap >= high - low),
+        let is_apart = gap > 0.0 && leaps_far;
+        if is_response {
+            is_apart && is_short && comes_again && comes_back(&runs, &own, scatter)
+        } else {
+            is_apart && (comes_again || gap >= high - low)
         }
     };
     let found: BTreeSet<u64> = suspects.iter().copied().filter(is_code).collect();

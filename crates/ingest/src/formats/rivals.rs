@@ -175,7 +175,9 @@ impl Look {
 
     fn is_same(&self, other: &Look) -> bool {
         let mut pairs = self.values.iter().zip(&other.values);
-        pairs.all(|(a, b)| !((a - b).abs() > SAME_READING_SHARE * a.abs().max(b.abs())))
+        // What is not there differs from nothing.
+        let differs = |(a, b): (&f64, &f64)| (a - b).abs() > SAME_READING_SHARE * a.abs().max(b.abs());
+        !pairs.any(differs)
     }
 }
 

@@ -51,7 +51,7 @@ pub(super) fn together(halves: &[Half], electrical: &[usize], bending: &[usize])
         apart.extend(near.map(|(_, other)| other - start));
     }
     apart.sort_by(f64::total_cmp);
-    let mut judged: Vec<(f64, f64, Vec<(usize, usize)>)> = Vec::new();
+    let mut judged: Vec<Judged> = Vec::new();
     let chance = apart.len() as f64 * SCATTER_S / (2.0 * MOST_APART_S);
     for (at, first) in apart.iter().enumerate() {
         let inside = apart[at..].partition_point(|other| *other <= first + SCATTER_S);
@@ -84,6 +84,9 @@ pub(super) fn together(halves: &[Half], electrical: &[usize], bending: &[usize])
         pairs: one_to_one(&e, &b, middle),
     })
 }
+
+/// What an offset of the clocks is worth, the offset, s, and the pairs that it makes.
+type Judged = (f64, f64, Vec<(usize, usize)>);
 
 /// Pairs within the scatter of a difference, each half the nearest of the other.
 fn one_to_one(e: &[(usize, f64)], b: &[(usize, f64)], offset: f64) -> Vec<(usize, usize)> {

@@ -262,10 +262,10 @@ impl Laid<'_> {
     /// What each column states: by its name, else by what its cells are; of two that state one thing the plainer counts.
     fn columns(&self) -> Vec<Option<Column>> {
         let mut columns: Vec<Option<Column>> = self.names.iter().map(Name::column).collect();
-        for at in 0..columns.len() {
-            let names_files = matches!(columns[at], Some(Column::Text("file")));
+        for (at, column) in columns.iter_mut().enumerate() {
+            let names_files = matches!(column, Some(Column::Text("file")));
             if !names_files && self.mostly(at, is_file) {
-                columns[at] = Some(Column::Text("file"));
+                *column = Some(Column::Text("file"));
             }
         }
         let has = |columns: &[Option<Column>], key: &str| {

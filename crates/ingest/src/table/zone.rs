@@ -77,9 +77,12 @@ fn zone_in(text: &str, at: DateTime) -> Found {
 /// Whether words in small letters are about time zones.
 fn speaks_of_zones(lower: &str) -> bool {
     let words = || lower.split(|c: char| !c.is_alphanumeric());
-    let speaks = |zone: &str| match zone.is_ascii() {
-        true => words().any(|word| word == zone),
-        false => lower.contains(zone),
+    let speaks = |zone: &str| {
+        if zone.is_ascii() {
+            words().any(|word| word == zone)
+        } else {
+            lower.contains(zone)
+        }
     };
     ZONES.split(';').any(speaks)
 }

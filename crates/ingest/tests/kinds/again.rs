@@ -134,11 +134,12 @@ fn units_in_cells_are_those_of_the_column() {
                 let is = |found: Option<f64>, expected: f64| {
                     found.is_some_and(|found| (found - expected).abs() < 1e-6)
                 };
-                match is(last(Quantity::Temperature), 21.0 + 0.01 * k)
+                if is(last(Quantity::Temperature), 21.0 + 0.01 * k)
                     && is(last(Quantity::RelativeHumidity), 45.0 + 0.1 * k)
                 {
-                    true => Came::Right,
-                    false => Came::Wrong,
+                    Came::Right
+                } else {
+                    Came::Wrong
                 }
             }
         };

@@ -54,20 +54,22 @@ fn of_two_columns_of_one_quantity_the_one_that_goes_with_the_voltage_is_taken() 
         } else {
             ("Current (mA)", 2)
         };
-        let mut text = match is_first {
-            true => format!(
+        let mut text = if is_first {
+            format!(
                 "Time (s),Voltage (V),{own} ({unit}),{false_name} ({unit}),{}\n",
                 third.0
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 "Time (s),Voltage (V),{false_name} ({unit}),{own} ({unit}),{}\n",
                 third.0
-            ),
+            )
         };
         for (k, row) in rows.iter().enumerate() {
-            let (a, b) = match is_first {
-                true => (row[at], false_of(k, row)),
-                false => (false_of(k, row), row[at]),
+            let (a, b) = if is_first {
+                (row[at], false_of(k, row))
+            } else {
+                (false_of(k, row), row[at])
             };
             text += &format!("{:.2},{:.3},{a:.5},{b:.5},{:.5}\n", row[0], row[1], row[third.1]);
         }
@@ -101,12 +103,13 @@ fn the_temperature_of_a_run_is_that_of_the_plain_name_or_asked() {
         let rows = rows(dice);
         let (own, false_c) = (dice.number(18.0, 26.0), dice.number(30.0, 90.0));
         let is_plain = dice.chance(0.7);
-        let names = match is_plain {
-            true => [
+        let names = if is_plain {
+            [
                 "Temperature (°C)".to_owned(),
                 format!("{} temperature (°C)", dice.pick(&OTHERS)),
-            ],
-            false => ["Temperature 1 (°C)".to_owned(), "Temperature 2 (°C)".to_owned()],
+            ]
+        } else {
+            ["Temperature 1 (°C)".to_owned(), "Temperature 2 (°C)".to_owned()]
         };
         let is_first = dice.chance(0.5);
         let (a, b) = if is_first { (0, 1) } else { (1, 0) };

@@ -100,7 +100,6 @@ fn a_count_of_seconds_is_from_the_zero_that_the_date_above_shows_or_gives_no_sta
                 Some(_) => Came::Wrong,
             },
         };
-        if came == Came::Wrong {}
         (came, text.chars().take(200).collect())
     });
 }

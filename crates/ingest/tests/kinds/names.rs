@@ -48,7 +48,7 @@ fn samples_in_families_are_no_surroundings_and_surroundings_stay() {
             }
         }
         let pattern = propose(&stems, &none).map_or(String::new(), |found| found.pattern);
-        if pattern.contains("{environment}") != !airs.is_empty() {
+        if pattern.contains("{environment}") == airs.is_empty() {
             wrong.push(format!("{pattern} of {stems:?}"));
         }
         match wrong.first() {

@@ -16,13 +16,14 @@ pub fn rows(dice: &mut Dice) -> Vec<[f64; 4]> {
     let (every_s, before) = (dice.pick(&[0.1, 0.25, 0.5, 1.0]), dice.whole(4, 12));
     let row = |k: i64| {
         let t = (k - before) as f64 * every_s;
-        let (v, i, d) = match t < 0.0 {
-            true => (0.0, 0.0, 0.0),
-            false => (
+        let (v, i, d) = if t < 0.0 {
+            (0.0, 0.0, 0.0)
+        } else {
+            (
                 volts,
                 peak * (0.85 * (-t / 1.5).exp() + 0.12 * (-t / 12.0).exp() + 0.03),
                 tip * (1.0 - (-t / 4.0).exp()),
-            ),
+            )
         };
         [k as f64 * every_s, v, i, d]
     };

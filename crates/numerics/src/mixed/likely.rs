@@ -117,10 +117,10 @@ impl<'r, 'a> AtReadings<'r, 'a> {
         let covariance = normal.inverse(LOST);
         let coefficients = covariance.times(&right);
         let through: Vec<Vec<f64>> = crossed.iter().map(|own| covariance.times(own)).collect();
-        for a in 0..random {
-            towards[a] -= dot(&crossed[a], &coefficients);
-            for b in 0..random {
-                own.add(a, b, -dot(&through[a], &crossed[b]));
+        for (a, (crossing, through)) in crossed.iter().zip(&through).enumerate() {
+            towards[a] -= dot(crossing, &coefficients);
+            for (b, other) in crossed.iter().enumerate() {
+                own.add(a, b, -dot(through, other));
             }
         }
         let square = squares(rows, shared, &coefficients);
