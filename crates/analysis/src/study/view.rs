@@ -1,5 +1,7 @@
 //! What the study asked, as a page and as table `contrasts`.
 
+use std::collections::BTreeMap;
+
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
 use ieap_domain::quantiles::NORMAL_95;
@@ -243,28 +245,42 @@ pub fn intervals(study: &Study) -> Vec<String> {
     basis(&study.asked().collect::<Vec<_>>())
 }
 
-/// What else changed with what was compared, once for all materials of which it holds.
+/// Names of causes, and the materials of which they hold.
+type CausesOf<'a> = (Vec<String>, Vec<&'a str>);
+
+/// What else changed with what was compared, once for all pairs and materials of which it holds; how it differed stands with each
+/// answer in the table and in JSON.
 fn causes(asked: &[&Answer]) -> Option<Block> {
-    let mut causes: Vec<(String, Vec<&str>)> = Vec::new();
-    for own in asked
-        .iter()
-        .filter(|own| !own.also_changed.is_empty() && !own.kind.is_by_material())
-    {
-        let cause = format!(
-            "{} over {}: {}",
-            own.upper,
-            own.lower,
-            in_a_row(&own.also_changed)
-        );
-        match causes.iter_mut().find(|(known, _)| *known == cause) {
-            Some((_, of)) if of.contains(&own.material.as_str()) => {}
-            Some((_, of)) => of.push(&own.material),
-            None => causes.push((cause, vec![&own.material])),
+    let name = |cause: &String| cause.split(" (").next().unwrap_or(cause).to_owned();
+    let mut of_pairs: BTreeMap<(&str, &str), CausesOf> = BTreeMap::new();
+    let is_asked = |own: &&&Answer| !own.also_changed.is_empty() && !own.kind.is_by_material();
+    for own in asked.iter().filter(is_asked) {
+        let (names, of) = of_pairs.entry((&own.upper, &own.lower)).or_default();
+        for cause in own.also_changed.iter().map(name) {
+            if !names.contains(&cause) {
+                names.push(cause);
+            }
+        }
+        if !of.contains(&own.material.as_str()) {
+            of.push(&own.material);
         }
     }
-    let said = causes
-        .iter()
-        .map(|(cause, of)| Block::Say(format!("{}, {cause}.", in_a_row(of))));
+    let mut causes: Vec<(CausesOf, Vec<String>)> = Vec::new();
+    for ((upper, lower), own) in of_pairs {
+        let pair = format!("{upper} over {lower}");
+        match causes.iter_mut().find(|(known, _)| *known == own) {
+            Some((_, pairs)) => pairs.push(pair),
+            None => causes.push((own, vec![pair])),
+        }
+    }
+    let said = causes.iter().map(|((names, of), pairs)| {
+        Block::Say(format!(
+            "{}, {}: {}.",
+            in_a_row(of),
+            in_a_row(pairs),
+            in_a_row(names)
+        ))
+    });
     let head = Block::say(
         "What changed with it in this design may be the cause as well; only runs in another order tell which (`ieap next`).",
     );
