@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use ieap_domain::{Channel, Drive, Quantity};
+use ieap_numerics::robust::median;
 
 /// The channels of the strip as a whole, with a curvature added where none was measured:
 /// - from the tip displacement, kappa = 2 d / (L^2 + d^2), equation \[3\] of the thesis, for a strip of free
@@ -25,14 +26,13 @@ pub fn responses(channels: &[Channel], length_cm: Option<f64>, drive: Option<&Dr
     all
 }
 
-/// Where the tip of a strip without voltage stood before the first edge, mm: the mean of the readings there. None where the record
-/// begins under voltage, or with it.
+/// Where the tip of a strip without voltage stood before the first edge, mm: the median of the readings there, which neither an
+/// outlier moves nor a clock that reads the edge a little late. None where the record begins under voltage, or with it.
 pub fn rest_mm(tip: &Channel, drive: &Drive) -> Option<f64> {
     let edge = drive.segments.first()?.edge;
     let (time_s, values) = tip.included();
     let before = time_s.partition_point(|&t| t <= edge.no_earlier_s && t < edge.no_later_s);
-    let is_at_rest = drive.baseline_v == 0.0 && before > 0;
-    is_at_rest.then(|| values[..before].iter().sum::<f64>() / before as f64)
+    median(&values[..before]).filter(|_| drive.baseline_v == 0.0)
 }
 
 /// Curvature, 1/cm, of a strip of that free length whose tip is seen so far aside (equation \[3\] of the thesis).

@@ -67,7 +67,8 @@ mod tests {
     /// A displacement sensor that was not zeroed: the intervals hold for strips of any length, and of any zero.
     #[test]
     fn a_displacement_may_count_from_anywhere() {
-        let time_s: Vec<f64> = (-30..600).map(|k| 2.0 * f64::from(k) + 1.0).collect();
+        // The edge lies on a reading.
+        let time_s: Vec<f64> = (-30..600).map(|k| 2.0 * f64::from(k)).collect();
         let drive = Drive::step(2.0);
         let (mut held, mut stated) = (0, 0);
         for (number, (length_mm, part)) in [2.0, 10.0, 30.0]
@@ -114,15 +115,23 @@ mod tests {
                 "{stroke} of {length_mm}"
             );
             let mut noise = |size: f64| size * (0..12).map(|_| random.random::<f64>() - 0.5).sum::<f64>();
-            let tip = exact
+            let mut tip = exact
                 .iter()
                 .map(|d| d + part * stroke + noise(0.003 * stroke))
                 .collect::<Vec<f64>>();
+            if number % 3 == 0 {
+                // A reading at rest of something else.
+                tip[4] += 0.5 * stroke;
+            }
             let current = model.current_a(&drive, 0.1, &time_s);
             let peak = current.iter().copied().fold(0.0, f64::max);
             let current: Vec<f64> = current.iter().map(|i| i + noise(0.002 * peak)).collect();
+            // Every other record has lost some readings, and some of them at rest.
+            let lost = |k: &usize| number % 2 == 1 && k % 7 == number % 7;
+            let kept: Vec<usize> = (0..time_s.len()).filter(|k| !lost(k)).collect();
+            let of_kept = |values: &[f64]| kept.iter().map(|k| values[*k]).collect::<Vec<f64>>().into();
             let channel =
-                |quantity, values: Vec<f64>| Channel::new(quantity, time_s.clone().into(), values.into());
+                |quantity, values: Vec<f64>| Channel::new(quantity, of_kept(&time_s), of_kept(&values));
             let channels = derived::responses(
                 &[
                     channel(Quantity::Current, current),

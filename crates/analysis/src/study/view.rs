@@ -1,6 +1,6 @@
 //! What the study asked, as a page and as table `contrasts`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
@@ -245,40 +245,36 @@ pub fn intervals(study: &Study) -> Vec<String> {
     basis(&study.asked().collect::<Vec<_>>())
 }
 
-/// Names of causes, and the materials of which they hold.
-type CausesOf<'a> = (Vec<String>, Vec<&'a str>);
-
 /// What else changed with what was compared, once for all pairs and materials of which it holds; how it differed stands with each
 /// answer in the table and in JSON.
 fn causes(asked: &[&Answer]) -> Option<Block> {
     let name = |cause: &String| cause.split(" (").next().unwrap_or(cause).to_owned();
-    let mut of_pairs: BTreeMap<(&str, &str), CausesOf> = BTreeMap::new();
-    let is_asked = |own: &&&Answer| !own.also_changed.is_empty() && !own.kind.is_by_material();
-    for own in asked.iter().filter(is_asked) {
-        let (names, of) = of_pairs.entry((&own.upper, &own.lower)).or_default();
-        for cause in own.also_changed.iter().map(name) {
-            if !names.contains(&cause) {
-                names.push(cause);
-            }
-        }
-        if !of.contains(&own.material.as_str()) {
-            of.push(&own.material);
-        }
+    let mut of_pairs: BTreeMap<(String, &str), BTreeSet<String>> = BTreeMap::new();
+    for own in asked.iter().filter(|own| !own.kind.is_by_material()) {
+        let pair = if own.lower.is_empty() {
+            format!("by {}", own.upper)
+        } else {
+            format!("{} over {}", own.upper, own.lower)
+        };
+        let names = own.also_changed.iter().map(name);
+        of_pairs.entry((pair, &own.material)).or_default().extend(names);
     }
-    let mut causes: Vec<(CausesOf, Vec<String>)> = Vec::new();
-    for ((upper, lower), own) in of_pairs {
-        let pair = format!("{upper} over {lower}");
-        match causes.iter_mut().find(|(known, _)| *known == own) {
-            Some((_, pairs)) => pairs.push(pair),
-            None => causes.push((own, vec![pair])),
-        }
+    // Materials by what they share of a pair, then pairs by what they share of materials.
+    let mut of_materials: BTreeMap<(String, BTreeSet<String>), Vec<&str>> = BTreeMap::new();
+    for ((pair, material), names) in of_pairs.into_iter().filter(|(_, names)| !names.is_empty()) {
+        of_materials.entry((pair, names)).or_default().push(material);
     }
-    let said = causes.iter().map(|((names, of), pairs)| {
+    let mut causes: BTreeMap<(Vec<&str>, BTreeSet<String>), Vec<String>> = BTreeMap::new();
+    for ((pair, names), of) in of_materials {
+        causes.entry((of, names)).or_default().push(pair);
+    }
+    let said = causes.iter().map(|((of, names), pairs)| {
+        let names: Vec<&String> = names.iter().collect();
         Block::Say(format!(
             "{}, {}: {}.",
             in_a_row(of),
             in_a_row(pairs),
-            in_a_row(names)
+            in_a_row(&names)
         ))
     });
     let head = Block::say(

@@ -45,6 +45,9 @@ impl KindsOfNoise {
             return None;
         }
         let (shortest_s, _) = sampled.time_scales_s();
+        if !(shortest_s > 0.0 && shortest_s.is_finite()) {
+            return None;
+        }
         let record_s = sampled.time_s[sampled.len() - 1] - sampled.time_s[0];
         let scales_s = scales_s(shortest_s, SLOWEST_RECORDS * record_s);
         let dying = |scale_s: &f64| Process::dying(&bins, &sampled.time_s, *scale_s);

@@ -4,13 +4,11 @@
 
 use std::collections::BTreeSet;
 
-use super::policy::{CODE_LEAP, CODE_SHARE, FEWEST_FOR_CODES, SURE_CODE_LEAP, ZERO_ROWS};
+use super::policy::{
+    BESIDE_A_CODE, CODE_LEAP, CODE_SHARE, FEWEST_FOR_CODES, LONGEST_CODE_IN_RESPONSE, SURE_CODE_LEAP,
+    ZERO_ROWS,
+};
 use ieap_domain::Quantity;
-
-/// Readings on each side that a number is held against.
-const BESIDE: usize = 4;
-/// Rows that a number which is none may stand in one after the other in a response: those of a drive come in stretches.
-const LONGEST_IN_RESPONSE: usize = 2;
 
 /// The numbers of a column that stand for no reading, by their bits.
 pub fn codes(quantity: Quantity, numbers: &[f64]) -> BTreeSet<u64> {
@@ -61,7 +59,7 @@ pub fn codes(quantity: Quantity, numbers: &[f64]) -> BTreeSet<u64> {
         let gap = (low - value).max(value - high);
         let is_round = value.fract() == 0.0 && has_decimals;
         let comes_again = own.len() > 1;
-        let is_short = own.iter().all(|run| run.count <= LONGEST_IN_RESPONSE);
+        let is_short = own.iter().all(|run| run.count <= LONGEST_CODE_IN_RESPONSE);
         // One number twice, farther away than all others lie from each other, is no course either.
         let stays = own.iter().any(|run| run.count > 1) && gap >= CODE_LEAP * (high - low);
         let leaps_far = is_far(*bits, SURE_CODE_LEAP) && (comes_again || is_round || stays);
@@ -129,7 +127,9 @@ fn beside<'r>(runs: &'r [Run], run: &Run, forward: bool) -> impl Iterator<Item =
         };
         runs.get(next?)
     });
-    others.filter(move |other| other.value != value).take(BESIDE)
+    others
+        .filter(move |other| other.value != value)
+        .take(BESIDE_A_CODE)
 }
 
 /// How far a run lies from the middle of what stands beside it.

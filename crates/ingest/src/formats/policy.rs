@@ -50,6 +50,11 @@ pub(super) const ANSWER_FACTOR: f64 = 5.0;
 /// And how many times larger one that answers may be than the one with the plainer name, before a person is asked. Chosen.
 pub(super) const LARGER_RIVAL: f64 = 3.0;
 
+/// Readings on each side that a number is held against, which may stand for none. Chosen; `IEAP_LONG=1 cargo test -p ieap-ingest
+/// --test kinds codes` counts what follows from this and the next five.
+pub(super) const BESIDE_A_CODE: usize = 4;
+/// Rows that such a number may stand in one after the other in a response: those of a drive come in stretches. Chosen.
+pub(super) const LONGEST_CODE_IN_RESPONSE: usize = 2;
 /// Fewest readings that show which numbers among them are none. Chosen.
 pub(super) const FEWEST_FOR_CODES: usize = 8;
 /// How many times the usual distance from its neighbours a number that is no reading lies from them, wherever it stands; and one

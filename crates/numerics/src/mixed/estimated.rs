@@ -86,14 +86,34 @@ impl Estimated {
     }
 }
 
-/// The variance that half of the weight is below.
+/// The variance that half of the weight is below, between the places at which it was tried.
 fn middle(points: &[Point], of: usize) -> f64 {
     let mut sorted: Vec<(f64, f64)> = points.iter().map(|own| (own.variances[of], own.weight)).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sorted.dedup_by(|next, own| {
+        let is_same = next.0 == own.0;
+        own.1 += if is_same { next.1 } else { 0.0 };
+        is_same
+    });
+    // A place stands for as much below it as above.
     let mut below = 0.0;
-    let reaches = |own: &&(f64, f64)| {
-        below += own.1;
-        below >= 0.5
+    let reached: Vec<(f64, f64)> = sorted
+        .iter()
+        .map(|(variance, weight)| {
+            below += weight;
+            (variance.sqrt(), below - 0.5 * weight)
+        })
+        .collect();
+    let beyond = reached.partition_point(|(_, reached)| *reached < 0.5);
+    let (Some(before), Some(after)) = (beyond.checked_sub(1).map(|at| reached[at]), reached.get(beyond))
+    else {
+        return sorted[beyond.saturating_sub(1)].0;
     };
-    sorted.iter().find(reaches).map_or(0.0, |own| own.0)
+    let part = (0.5 - before.1) / (after.1 - before.1);
+    let size = if before.0 > 0.0 {
+        before.0 * (after.0 / before.0).powf(part)
+    } else {
+        part * after.0
+    };
+    size * size
 }

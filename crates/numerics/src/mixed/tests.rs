@@ -117,7 +117,7 @@ fn known_errors_take_their_part_from_what_is_integrated() {
     let (plain, known) = (plain.estimated().unwrap(), known.estimated().unwrap());
     // Halves of the weight are told to a place of the lattice.
     let ratio = plain.variances[2] / (known.variances[2] + 0.01);
-    assert!((0.7..1.4).contains(&ratio), "{ratio}");
+    assert!((0.85..1.15).contains(&ratio), "{ratio}");
     let factors = contrast(plain.coefficients.len(), voltages, (2, 1));
     let (a, b) = (plain.combined(&factors), known.combined(&factors));
     assert!((a.mean() - b.mean()).abs() < 0.05 * a.error() && (a.error() / b.error() - 1.0).abs() < 0.1);
@@ -160,7 +160,8 @@ fn stated_variances_give_weighted_means() {
 
 #[test]
 fn of_one_scatter_it_is_the_law_of_student() {
-    for readings in [3, 4, 8, 40] {
+    // Two that are left tell a scatter hardly at all.
+    for (readings, part) in [(3, 0.03), (4, 0.01), (8, 0.01), (40, 0.01)] {
         let row = |k: usize| -> Row { (1, 1, 1, (0.7 * k as f64).sin()) };
         let rows: Vec<Row> = (0..readings).map(row).collect();
         let (model, _) = model(&rows, 0.0);
@@ -173,11 +174,11 @@ fn of_one_scatter_it_is_the_law_of_student() {
         let reach = quantile_95(left) * (square / left / y.len() as f64).sqrt();
         let (low, high) = own.ends_95();
         assert!(
-            (low - mean + reach).abs() < 0.03 * reach,
+            (low - mean + reach).abs() < part * reach,
             "{readings}: {low} {mean} {reach}"
         );
         assert!(
-            (high - mean - reach).abs() < 0.03 * reach,
+            (high - mean - reach).abs() < part * reach,
             "{readings}: {high} {mean} {reach}"
         );
     }
