@@ -18,6 +18,7 @@ mod factors;
 mod given;
 mod group;
 pub mod impedance;
+mod instrument_noise;
 mod interval_rule;
 mod joint;
 mod joint_estimates;
@@ -60,6 +61,7 @@ pub use group::{
     Bootstrap, GroupFit, GroupOptions, Intervals, Resampled, Sharing, can_join_group, shareable,
 };
 
+pub use instrument_noise::InstrumentNoise;
 pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, NoiseBy, Steps};

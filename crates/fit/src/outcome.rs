@@ -82,6 +82,12 @@ fn with(
             wanted,
         ));
     }
+    if let Some(judged) = judged {
+        for response in &mut responses {
+            let place = usize::from(response.noise.quantity == Quantity::Curvature);
+            response.noise.character.kinds = judged.evidence_of_noise[place].clone();
+        }
+    }
     let n_samples = responses.iter().map(|response| response.noise.readings).sum();
     if let Some(sampled) = identified
         .unfitted_curvature

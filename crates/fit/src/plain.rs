@@ -6,6 +6,7 @@ use ieap_model::rival_law;
 
 use crate::bending::Bending;
 use crate::electrical::Electrical;
+use crate::instrument_noise::InstrumentNoise;
 use crate::joint::policy::MISFIT_FACTOR;
 use crate::joint::readings::{Response, RunReadings};
 use crate::joint::single::{self, Judged};
@@ -47,8 +48,10 @@ pub(crate) fn judge(input: &FitInput, options: &FitOptions, identified: &mut Ide
     }
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
-    if options.noise == NoiseBy::Kinds && !electrical.conductances_a_per_v.is_empty() {
-        return by_kinds(input, branches, (current, electrical), bending);
+    if let NoiseBy::Kinds(known) = options.noise
+        && !electrical.conductances_a_per_v.is_empty()
+    {
+        return by_kinds(input, branches, (current, electrical), bending, known);
     }
     let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);
     let parabolic = settled && parabola::is_narrow(electrical);
@@ -91,15 +94,18 @@ fn by_kinds(
     branches: usize,
     (current, electrical): (&Sampled, &Electrical),
     bending: Option<&(Sampled, Bending)>,
+    known: Option<&InstrumentNoise>,
 ) -> Option<Judged> {
     let mut start = Start::of(electrical, electrical.conductances_a_per_v.len());
     if let Some((_, bending)) = bending {
         start = start.with_bending(bending);
     }
+    let nothing = InstrumentNoise::default();
+    let known = known.unwrap_or(&nothing);
     let response = |sampled: &Sampled, residuals: &Residuals, bends: bool| {
         let left = &residuals.residuals;
         let columns = |time_s: &[f64]| start.columns(input.drive, input.area_cm2, bends, time_s);
-        Response::beside_fit(sampled.clone(), left).with_kinds(left, columns)
+        Response::beside_fit(sampled.clone(), left).with_kinds(left, columns, known.channel(bends))
     };
     let readings = RunReadings {
         drive: input.drive,

@@ -25,7 +25,7 @@ pub struct FitChoice {
 
 impl FitChoice {
     /// As options of a fit with the base model; what is left open is the campaign's.
-    pub(crate) fn options(&self, campaign: &Campaign) -> Result<FitOptions, FitError> {
+    pub(crate) fn options(&self, campaign: &Campaign) -> Result<FitOptions<'static>, FitError> {
         Ok(choose(&self.asked(), campaign, &AskedFit::default())?.options)
     }
 
@@ -59,7 +59,7 @@ pub enum ChosenBy {
 #[derive(Debug, Clone)]
 pub(crate) struct Chosen {
     /// The base of `model`, method and steps.
-    pub(crate) options: FitOptions,
+    pub(crate) options: FitOptions<'static>,
     pub(crate) model: ModelChoice,
     /// What was asked for by hand, to be stored with the fit.
     pub(crate) asked: AskedFit,
@@ -103,7 +103,7 @@ pub(crate) fn choose(
 }
 
 /// What was said, as options of a fit with the base of `model`.
-pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOptions, FitError> {
+pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOptions<'static>, FitError> {
     let mut options = FitOptions::for_model(model.base.id)?;
     if let Some(method) = &said.method {
         options = options.with_method(method)?;

@@ -8,10 +8,12 @@
 mod bins;
 mod processes;
 
+use ieap_domain::{KindEvidence, NoiseForm, NoiseKind};
 use ieap_numerics::decay::even_step;
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
+use crate::instrument_noise::ChannelNoises;
 use crate::joint::policy::{KIND_RATIO, LARGEST_SLOW_RATIO, SLOWEST_RECORDS};
 use crate::sampled::Sampled;
 
@@ -25,6 +27,8 @@ pub(crate) struct KindsOfNoise {
     whitener: BinWhitener,
     /// Means that the size of the noise is known from, beside the parameters.
     pub(crate) freedom: f64,
+    /// What the readings tell of every kind.
+    pub(crate) evidence: Vec<KindEvidence>,
 }
 
 /// Slow noise of one kind: the parts that processes have in its variance.
@@ -39,6 +43,7 @@ impl KindsOfNoise {
         rest: &[f64],
         columns: &[Vec<f64>],
         least: f64,
+        known: &ChannelNoises,
     ) -> Option<KindsOfNoise> {
         let freedom = bins.len() as f64 - columns.len() as f64;
         if freedom < 3.0 {
@@ -54,26 +59,32 @@ impl KindsOfNoise {
         let mut processes: Vec<Process> = scales_s.iter().map(dying).collect();
         processes.push(Process::line(&bins));
         let rest = bins.means(rest);
-        let ask = |of_processes: Vec<f64>, prior: f64| {
-            Asked::of(&bins, &processes, (of_processes, prior), columns, &rest, freedom)
+        let ask = |kind: NoiseKind, of_processes: Vec<f64>| {
+            Asked::of(&bins, &processes, (kind, of_processes), columns, &rest, freedom)
         };
-        let (kinds, ratios) = (kinds(scales_s.len()), ratios(sampled.len()));
-        let prior = ((kinds.len() + 1) as f64).recip();
-        let mut asked = vec![ask(vec![0.0; processes.len()], prior)];
-        for kind in &kinds {
-            let with = |ratio: &f64| {
-                ask(
-                    kind.iter().map(|part| part * ratio).collect(),
-                    prior / ratios.len() as f64,
-                )
-            };
-            asked.extend(ratios.iter().map(with));
+        let ratios = ratios(sampled.len());
+        let white = NoiseKind {
+            form: NoiseForm::White,
+            size: 0,
+        };
+        let mut asked = vec![ask(white, vec![0.0; processes.len()])];
+        for (form, parts) in kinds(&scales_s) {
+            asked.extend(ratios.iter().zip(0..).map(|(ratio, size)| {
+                let of_processes = parts.iter().map(|part| part * ratio).collect();
+                ask(NoiseKind { form, size }, of_processes)
+            }));
+        }
+        let evidence: Vec<KindEvidence> = asked.iter().map(Asked::evidence).collect();
+        let kinds: Vec<NoiseKind> = asked.iter().map(|own| own.kind).collect();
+        for (own, prior) in asked.iter_mut().zip(known.log_priors(&kinds)) {
+            own.log_posterior += prior;
         }
         let mut mean = mean(&asked, processes.len());
         mean.white = mean.white.max(least * least);
         Some(KindsOfNoise {
             whitener: BinWhitener::new(&bins, &processes, &mean),
             freedom,
+            evidence,
             bins,
         })
     }
@@ -171,7 +182,8 @@ fn ratios(readings: usize) -> Vec<f64> {
 }
 
 /// Every process alone; as much of each (1/f); a line; both.
-fn kinds(scales: usize) -> Vec<Kind> {
+fn kinds(scales_s: &[f64]) -> Vec<(NoiseForm, Kind)> {
+    let scales = scales_s.len();
     let only = |place: usize| {
         (0..=scales)
             .map(move |k| f64::from(u8::from(k == place)))
@@ -181,24 +193,39 @@ fn kinds(scales: usize) -> Vec<Kind> {
     let flicker: Kind = (0..=scales).map(each).collect();
     let line = only(scales);
     let both = flicker.iter().zip(&line).map(|(a, b)| 0.5 * (a + b)).collect();
-    (0..scales).map(only).chain([flicker, line, both]).collect()
+    let process = |time_s: &f64| NoiseForm::Process((time_s.ln() / KIND_RATIO.ln()).round() as i8);
+    let alone = (0..scales).map(|k| (process(&scales_s[k]), only(k)));
+    let others = [
+        (NoiseForm::Flicker, flicker),
+        (NoiseForm::Line, line),
+        (NoiseForm::FlickerAndLine, both),
+    ];
+    alone.chain(others).collect()
 }
 
 /// One kind and size of slow noise, asked.
 struct Asked {
+    kind: NoiseKind,
     /// Variances of the processes, in that of the white noise of a reading.
     of_processes: Vec<f64>,
-    /// Restricted log likelihood, the size integrated, and the logarithm of the prior.
+    /// Restricted log likelihood, the size integrated; then, with the logarithm of the prior.
     log_posterior: f64,
     /// Variance of the white noise of a reading.
     variance: f64,
 }
 
 impl Asked {
+    fn evidence(&self) -> KindEvidence {
+        KindEvidence {
+            kind: self.kind,
+            log_likelihood: self.log_posterior,
+        }
+    }
+
     fn of(
         bins: &Bins,
         processes: &[Process],
-        (of_processes, prior): (Vec<f64>, f64),
+        (kind, of_processes): (NoiseKind, Vec<f64>),
         columns: &[Vec<f64>],
         rest: &[f64],
         freedom: f64,
@@ -224,7 +251,8 @@ impl Asked {
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
         let deviance = whitener.log_determinant() + determinant + freedom * variance.ln();
         Asked {
-            log_posterior: prior.ln() - 0.5 * deviance,
+            kind,
+            log_posterior: -0.5 * deviance,
             of_processes: unit.of_processes,
             variance,
         }

@@ -71,3 +71,9 @@ pub(super) const KIND_RATIO: f64 = 4.0;
 pub(super) const SLOWEST_RECORDS: f64 = 4.0;
 /// Largest slow noise, in variances of the white noise of a reading. Chosen: 9 parts in 10 of the variance.
 pub(super) const LARGEST_SLOW_RATIO: f64 = 9.0;
+/// How likely a kind of slow noise is before any run, in that of white noise alone: all eight sizes of a form together as likely.
+pub(crate) const PRIOR_OF_SLOW_KIND: f64 = 0.125;
+/// Part of the runs whose noise is not that of their instrument: a warm lamp, a door. Chosen; with 0.02 and 0.3 the intervals of
+/// 12 runs of an instrument hold as often within 1 %, and are 0.9 and 1.2 times as wide under white noise
+/// (`cargo run --release -p ieap-fit --example noises -- 120 77 4 600 12`).
+pub(crate) const NOISE_OF_ITS_OWN: f64 = 0.1;

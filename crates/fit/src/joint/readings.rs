@@ -1,10 +1,11 @@
 //! One run as a joint fit sees it: both responses, weighted by their noise.
 
+use crate::instrument_noise::ChannelNoises;
 use crate::joint::policy::LEAST_NOISE_PART;
 use crate::sampled::Sampled;
 #[cfg(test)]
 use ieap_domain::{Channel, Quantity};
-use ieap_domain::{Drive, Estimate};
+use ieap_domain::{Drive, Estimate, KindEvidence};
 use ieap_model::LumpedModel;
 use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
@@ -25,6 +26,8 @@ pub(crate) struct Response {
     pub(crate) noise: Noise,
     whitener: Whitener,
     compressed: Compressed,
+    /// What the readings tell of every kind of noise, where a fit was asked to tell.
+    pub(crate) evidence: Vec<KindEvidence>,
 }
 
 impl Response {
@@ -48,6 +51,7 @@ impl Response {
             noise,
             whitener,
             compressed,
+            evidence: Vec::new(),
         }
     }
 
@@ -57,6 +61,7 @@ impl Response {
         self,
         left: &[f64],
         columns: impl FnOnce(&[f64]) -> Vec<Vec<f64>>,
+        known: &ChannelNoises,
     ) -> Option<Response> {
         let floor = self.noise.floor.max(f64::MIN_POSITIVE);
         let scale: Vec<f64> = self.noise.sd.iter().map(|sd| sd / floor).collect();
@@ -76,9 +81,10 @@ impl Response {
             .map(|(left, scale)| left / scale)
             .collect();
         let least = LEAST_NOISE_PART * peak(&self.sampled.values);
-        let kinds = KindsOfNoise::of(&self.sampled, bins, &left, &columns, least)?;
+        let kinds = KindsOfNoise::of(&self.sampled, bins, &left, &columns, least, known)?;
         Some(Response {
             compressed: Compressed::by_means(&self.sampled, &kinds, &scale),
+            evidence: kinds.evidence,
             noise: Noise {
                 freedom: kinds.freedom,
                 ..self.noise
@@ -165,6 +171,14 @@ impl<'a> RunReadings<'a> {
             .flatten()
             .map(|response| response.sampled.len())
             .sum()
+    }
+
+    /// What the readings of current and curvature tell of every kind of noise.
+    pub(crate) fn evidence(&self) -> [Vec<KindEvidence>; 2] {
+        [&self.current, &self.curvature].map(|own| {
+            own.as_ref()
+                .map_or(Vec::new(), |response| response.evidence.clone())
+        })
     }
 
     /// Memories of the noise of current and curvature that weigh a fit; none of a channel that is not there.

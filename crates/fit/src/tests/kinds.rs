@@ -65,6 +65,6 @@ fn held(noise: NoiseBy) -> f64 {
 
 #[test]
 fn intervals_hold_under_noise_that_lasts() {
-    let (memory, kinds) = (held(NoiseBy::Memory), held(NoiseBy::Kinds));
+    let (memory, kinds) = (held(NoiseBy::Memory), held(NoiseBy::Kinds(None)));
     assert!(kinds >= 88.0 && memory < 80.0, "{memory} {kinds}");
 }

@@ -73,7 +73,7 @@ impl CampaignRow {
         (made.map(|(_, stated)| stated), result)
     }
 
-    fn options(&self, run: &RunAtHand, asked: &AskedFit) -> Result<FitOptions, Issue> {
+    fn options(&self, run: &RunAtHand, asked: &AskedFit) -> Result<FitOptions<'static>, Issue> {
         let options = options_as_asked(&asked.or(&self.chosen))?;
         if asked.is_open() && input_hash(&run.task, &options, &[]) != self.input_hash {
             let message = "what stands in the row is not what its input_hash is of";

@@ -58,12 +58,12 @@ pub struct FitAtHand {
 ///
 /// # Errors
 /// The model or the method is not known, or the model is one of a group of runs.
-pub fn fit_options(choice: &FitChoice) -> Result<FitOptions, Issue> {
+pub fn fit_options(choice: &FitChoice) -> Result<FitOptions<'static>, Issue> {
     options_as_asked(&choice.asked())
 }
 
 /// As [`fit_options`].
-pub(super) fn options_as_asked(said: &AskedFit) -> Result<FitOptions, Issue> {
+pub(super) fn options_as_asked(said: &AskedFit) -> Result<FitOptions<'static>, Issue> {
     let refused = |error: FitError| Issue::error("not-known", error.to_string()).at("model or method");
     let stated = said.model.as_deref().unwrap_or(FitOptions::default().model.id);
     let model = ModelChoice::parse(stated).map_err(|error| refused(error.into()))?;

@@ -26,7 +26,7 @@ pub struct Subject {
     /// Where it comes from, in words.
     pub told_by: String,
     /// How the run will be fitted.
-    pub options: FitOptions,
+    pub options: FitOptions<'static>,
     /// Parameters.
     pub model: LumpedModel,
     /// Active area, cm2.
