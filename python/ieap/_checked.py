@@ -21,14 +21,14 @@ def _is_number(value: Any) -> bool:
 
 def _is_whole(value: Any) -> bool:
     try:
-        return not isinstance(value, bool) and index(value) >= 0
+        return not isinstance(value, bool) and 0 <= index(value) < 2**64
     except TypeError:
         return False
 
 
 _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "float": (_is_number, "a number"),
-    "int": (_is_whole, "a whole number that is not negative"),
+    "int": (_is_whole, "a whole number from 0 to 2^64 - 1"),
     "bool": (lambda value: isinstance(value, bool) or type(value).__name__ == "bool_", "True or False"),
     "str": (lambda value: isinstance(value, str), "a text"),
     "PathLike": (lambda value: isinstance(value, PathLike), "a path"),

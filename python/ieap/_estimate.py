@@ -20,7 +20,7 @@ class Estimate:
         reason: why there is no value, or only a bound.
         unit: the unit of all of these, as the key names it; empty of a pure number.
 
-    ``float(estimate)`` is the value, NaN where it is not determined; arithmetic and ``f"{estimate:.3g}"`` are those of the
+    ``float(estimate)`` is the value, NaN where it is not determined; arithmetic, functions of numpy and ``f"{estimate:.3g}"`` are those of the
     value, for parameters of one fit err together: `Fit.correlated_values` has them with their correlations.
     """
 
@@ -34,6 +34,11 @@ class Estimate:
 
     def __float__(self) -> float:
         return nan if self.value is None else self.value
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        import numpy
+
+        return numpy.array(float(self), dtype=dtype)
 
     def __format__(self, wanted: str) -> str:
         return format(float(self), wanted) if wanted else str(self)

@@ -116,9 +116,9 @@ class Table:
         return {"columns": [{"name": name, "unit": _native.unit_of_key(name)} for name in self]}
 
     def __array__(self, *_: Any, **__: Any) -> Any:
-        # One array has no names of columns; asked for one, pandas would make a column of their names.
+        # One array has no names of columns; pandas, which asks for one, would lose them.
         remedy = "take table.to_pandas(), or a column: table[\"time_s\"]"
-        raise InputError("columns of several kinds are no one array", "table", remedy, "no-array")
+        raise InputError("a table is no one array: its columns have names and units", "table", remedy, "no-array")
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         return self._columns.__arrow_c_stream__(requested_schema)

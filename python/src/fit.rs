@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
+use ieap::diagnose::Draws;
 use ieap::domain::known_parameter::NotKnown;
 use ieap::domain::{self, ChannelNoise, Issue, KnownParameter, Quantity};
 use ieap::fit::FitOptions;
@@ -25,7 +26,7 @@ pub struct Fit {
     pub fit: domain::Fit,
     pub stated: FitAtHand,
     pub run: RunAtHand,
-    options: FitOptions,
+    options: FitOptions<'static>,
     known: Vec<KnownParameter>,
     seconds: f64,
     /// The noise with its memory, growth and steps, which take several times as long as the fit: made when asked for.
@@ -235,6 +236,12 @@ pub fn fit(
     })
 }
 
+/// The draws that are asked for, between the ends that the program takes.
+pub fn draws_of(py: Python<'_>, draws: Option<usize>) -> PyResult<Option<Draws>> {
+    let known = draws.map(Draws::new).transpose();
+    known.map_err(|needed| bad_argument(py, "draws", &needed, "give another number, or none"))
+}
+
 /// Diagnoses runs as one group; the finding as `ieap diagnose --json` states it.
 #[pyfunction]
 #[pyo3(signature = (group, runs, model = None, draws = None, seed = None, threads = None))]
@@ -251,6 +258,7 @@ pub fn diagnose(
         .iter()
         .map(|(name, table, stated)| run_of(py, name, table.get(), stated.get()))
         .collect::<PyResult<Vec<RunAtHand>>>()?;
+    let draws = draws_of(py, draws)?;
     let choice = DiagnoseChoice { model, draws, seed };
     let found = interruptible(py, threads, || {
         in_memory::diagnose(group, &runs.iter().collect::<Vec<_>>(), &choice)

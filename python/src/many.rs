@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::arrow::{ArrowTable, batches};
 use crate::error::{fault, refused};
-use crate::fit::choice;
+use crate::fit::{choice, draws_of};
 use crate::results::{self, Fitted};
 use crate::rows::{Found, RowRun, runs};
 use crate::work::interruptible;
@@ -70,6 +70,7 @@ pub fn diagnose_rows(
     threads: Option<usize>,
 ) -> PyResult<ArrowTable> {
     let found = all_runs(table)?;
+    let draws = draws_of(py, draws)?;
     let choice = DiagnoseChoice { model, draws, seed };
     let (mut runs, mut left_out): (Vec<RunAtHand>, Vec<Issue>) = (Vec::new(), Vec::new());
     for row in found {

@@ -78,6 +78,7 @@ def test_what_is_no_campaign_or_group(tmp_path, table):
         ({"area_cm2": "0.1"}, "area_cm2"),
         ({"area_cm2": True}, "area_cm2"),
         ({"seed": -1}, "seed"),
+        ({"seed": 2**70}, "seed"),
         ({"model": 2}, "model"),
         ({"tags": 3}, "tags"),
         ({"known": 3}, "known"),
@@ -99,6 +100,13 @@ def test_numbers_within_arguments_are_refused_by_their_keys():
     assert raised.value.place == "parameters, r1_ohm_cm2"
     with pytest.raises(ieap.InputError):
         ieap.impedance([1.0], 3)
+
+
+@pytest.mark.parametrize("draws", [10, 98, 100_001])
+def test_draws_are_those_that_the_program_takes(table, draws):
+    with pytest.raises(ieap.InputError, match="from 99 to 100000") as raised:
+        ieap.diagnose({"a": table}, **STRIP, group="g", draws=draws)
+    assert raised.value.place == "draws"
 
 
 def test_only_what_is_meant_to_be_used_is_listed():

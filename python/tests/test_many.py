@@ -86,19 +86,19 @@ def test_an_empty_table_gives_an_empty_table(tables):
 
 def test_a_group_in_rows_is_the_group(tables):
     rows = pa.table(rows_of(tables[5:7]))
-    found = ieap.diagnose_rows(rows, group="g", draws=49).to_dict()
+    found = ieap.diagnose_rows(rows, group="g", draws=99).to_dict()
     runs = {"r0": columns_of(tables[5]), "r1": columns_of(tables[6])}
-    own = ieap.diagnose(runs, area_cm2=0.1, **STRIP, group="g", draws=49)
+    own = ieap.diagnose(runs, area_cm2=0.1, **STRIP, group="g", draws=99)
     import json
 
     assert json.loads(found["document"][0]) == own.to_dict()
     # A run that cannot be used is named, and the others are diagnosed.
     three = pa.table(rows_of(tables[5:8])).drop_columns(list(STRIP))
     broken = three.set_column(three.column_names.index("area_cm2"), "area_cm2", pa.array([0.1, 0.1, None]))
-    found = ieap.diagnose_rows(broken, group="g", draws=49).to_dict()
+    found = ieap.diagnose_rows(broken, group="g", draws=99).to_dict()
     assert found["runs"] == [["r0", "r1"]] and found["verdict"][0] and found["refused_reason"] == [None]
     assert found["left_out"] == [["r2, area_cm2: the active area of the strip is not stated"]]
-    none = ieap.diagnose_rows(broken.slice(2, 1), group="g", draws=49).to_dict()
+    none = ieap.diagnose_rows(broken.slice(2, 1), group="g", draws=99).to_dict()
     assert none["refused_place"] == ["r2, area_cm2"] and none["verdict"] == [None]
 
 

@@ -88,8 +88,8 @@ def test_groups_are_diagnosed_as_in_one_process(spark, rows):
     import ieap.spark
 
     two = rows.slice(0, 4).append_column("sample", pa.array(["A", "A", "B", "B"]))
-    found = ieap.spark.diagnose(spark.createDataFrame(two), "sample", draws=19).toArrow().sort_by("group").to_pylist()
+    found = ieap.spark.diagnose(spark.createDataFrame(two), "sample", draws=99).toArrow().sort_by("group").to_pylist()
     assert [row["group"] for row in found] == ["sample=A", "sample=B"]
     for start, row in zip((0, 2), found):
-        own = ieap.diagnose_rows(two.slice(start, 2), group=row["group"], draws=19).to_dict()
+        own = ieap.diagnose_rows(two.slice(start, 2), group=row["group"], draws=99).to_dict()
         assert {key: values[0] for key, values in own.items()} == row

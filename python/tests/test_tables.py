@@ -96,6 +96,7 @@ def test_a_table_of_pages_has_its_numbers_in_full(campaign, fits):
 
 def test_an_estimate_is_a_number_with_its_unit(table):
     fit = ieap.fit(table, **STRIP)
+    assert numpy.log(fit["r1"]) == numpy.log(fit["r1"].value) and (numpy.ones(2) * fit["r1"]).dtype == float
     assert float(fit["r1"]) == fit["r1"].value and fit["r1"].unit == "Ohm cm2" and fit["alpha"].unit == "1/(C cm)"
     assert math.isnan(float(ieap.Estimate(None, None, None, None)))
     assert numpy.array([fit[key] for key in fit], dtype=float).shape == (len(fit),)

@@ -1,5 +1,6 @@
 //! `ieap diagnose`.
 
+use crate::diagnose::Draws;
 use crate::domain::words::counted;
 use clap::Args;
 
@@ -31,8 +32,8 @@ pub struct DiagnoseArgs {
     #[arg(long)]
     again: bool,
     /// Draws of what chance does; a p-value is never below 1 in N + 1 [default: 999]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(99..=100_000))]
-    draws: Option<u32>,
+    #[arg(long, value_name = "N")]
+    draws: Option<Draws>,
     /// Only the group of that name
     #[arg(long, value_name = "NAME")]
     group: Option<String>,
@@ -67,7 +68,7 @@ fn diagnosed(
 ) -> Result<u8, CliError> {
     let choice = DiagnoseChoice {
         model: args.model.clone(),
-        draws: args.draws.map(|draws| draws as usize),
+        draws: args.draws,
         seed: global.seed,
     };
     // Wrong usage is told before anything is taken in or fitted.

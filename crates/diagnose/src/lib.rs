@@ -12,6 +12,7 @@
 mod benchmark;
 mod cause;
 mod diagnosis;
+mod draws;
 mod extended;
 mod fitting;
 mod levels;
@@ -27,6 +28,7 @@ pub use benchmark::effect_size::{
     DesignRun, KnownNoise, base_columns, in_units_of_noise, sigmas_after_refit,
 };
 pub use diagnosis::{condemned, diagnose_group};
+pub use draws::Draws;
 pub use extended::fits::{fit_extended, model_version};
 pub use extended::from_others::{FromOthersFall, fall_from_others};
 pub use options::{DiagnoseOptions, VERSION};

@@ -24,7 +24,7 @@ pub use ieap_domain::tag::{MISSING, NAMES_CONTRADICT};
 
 pub use files::TagFiles;
 pub use sources::FROM_NAMES;
-pub use stated_value::{UNKNOWN_SAMPLE, value_objection};
+pub use stated_value::{UNKNOWN_SAMPLE, no_stretches, value_objection};
 pub use unread_statement::{UNREAD_STATEMENT, unread_statement};
 
 /// Another name under which the readings of a run lie: what is stated of it is stated of the run.

@@ -2,6 +2,7 @@
 
 use super::value;
 use crate::campaign_file::nearest;
+use ieap_domain::left_out;
 use ieap_domain::surroundings;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Issue, Tag};
@@ -19,8 +20,18 @@ pub fn value_objection(tag: &Tag, campaign: &Campaign) -> Option<Issue> {
     match tag.key.as_str() {
         keys::SAMPLE => unknown_sample(campaign, &value),
         keys::ENVIRONMENT => unknown_environment(campaign, &value),
+        keys::LEAVE_OUT | keys::OPEN_CIRCUIT if left_out::stretches(&value).is_none() => {
+            Some(no_stretches(&tag.key, &value))
+        }
         _ => None,
     }
+}
+
+/// What is said of a text that states no stretches of seconds.
+pub fn no_stretches(key: &str, text: &str) -> Issue {
+    let message = format!("`{key}` is {text:?}, which is no list of stretches in seconds");
+    let mend = format!("write {key} = \"600-1200, 1800-2400\"");
+    Issue::warning("tag-unusable", message).at(key).mend(mend)
 }
 
 /// What is said of a sample that campaign.toml does not name.
@@ -108,6 +119,8 @@ mod tests {
             ("voltage_v", "1,2", "decimal point"),
             ("relative_humidity_percent", "330", "0 to 100"),
             ("started_at", "31.12.2026", "not a date"),
+            ("leave_out", "abc", "600-1200"),
+            ("open_circuit", "120-60", "no list of stretches"),
         ] {
             let said = mend(key, value).unwrap_or_default();
             assert!(said.contains(told), "{key}={value}: {said}");

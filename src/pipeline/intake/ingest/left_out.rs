@@ -2,14 +2,13 @@
 
 use crate::domain::tag::keys;
 use crate::domain::{Channel, FlaggedStretch, Issue, left_out};
+use crate::ingest::tags::no_stretches;
 
 /// The stretches of seconds that the tag `key` states; a text that is none is pointed out.
 pub(super) fn stretches(key: &str, text: Option<&str>, issues: &mut Vec<Issue>) -> Vec<(f64, f64)> {
     let Some(text) = text else { return Vec::new() };
     left_out::stretches(text).unwrap_or_else(|| {
-        let message = format!("`{key}` is {text:?}, which is no list of stretches in seconds");
-        let mend = format!("write {key} = \"600-1200, 1800-2400\"");
-        issues.push(Issue::warning("tag-unusable", message).at(key).mend(mend));
+        issues.push(no_stretches(key, text));
         Vec::new()
     })
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
+use crate::diagnose::Draws;
 use crate::domain::{AskedFit, Drive, Level, Segment};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;
@@ -191,7 +192,7 @@ fn a_diagnosis_is_that_of_a_campaign_of_one_group() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = campaign(folder.path());
     let choice = DiagnoseChoice {
-        draws: Some(99),
+        draws: Draws::new(99).ok(),
         ..DiagnoseChoice::default()
     };
     let verb = DiagnoseRuns {
