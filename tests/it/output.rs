@@ -174,7 +174,7 @@ fn no_text_of_a_file_is_a_formula_or_moves_a_terminal() {
         "out/tags.csv",
         "out/fits.csv",
         "runs-table.csv",
-        "report/table5.csv",
+        "report/fits-wide.csv",
     ]
     .map(read);
     for text in &texts {

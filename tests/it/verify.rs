@@ -248,7 +248,7 @@ fn a_report_that_was_changed_is_damage_and_is_made_anew() {
     let folder = CampaignFolder::new();
     folder.write("runs/a.csv", run_table(1));
     folder.ieap(&["run", "--no-diagnose"]).expect(0);
-    let path = folder.join("report/table5.csv");
+    let path = folder.join("report/fits-wide.csv");
     let sound = std::fs::read(&path).unwrap();
     let again = folder.ieap(&["report"]).expect(0);
     assert!(again.stdout.contains("(unchanged)"), "{again:#?}");

@@ -52,7 +52,22 @@ impl Symmetric {
         self.entries[row * self.order + column] += value;
     }
 
-    fn row(&self, row: usize) -> &[f64] {
+    /// Adds so many times another of the same order.
+    pub fn add_times(&mut self, factor: f64, other: &Symmetric) {
+        let entries = self.entries.iter_mut().zip(&other.entries);
+        entries.for_each(|(own, other)| *own += factor * other);
+    }
+
+    /// Adds so many times `x x'`.
+    pub fn add_square(&mut self, factor: f64, x: &[f64]) {
+        for (row, of_row) in self.entries.chunks_exact_mut(self.order.max(1)).zip(x) {
+            let factor = factor * of_row;
+            row.iter_mut().zip(x).for_each(|(own, x)| *own += factor * x);
+        }
+    }
+
+    /// A row.
+    pub fn row(&self, row: usize) -> &[f64] {
         &self.entries[row * self.order..(row + 1) * self.order]
     }
 

@@ -263,7 +263,7 @@ fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, Re
 fn write_tables(writer: &PageWriter) -> Result<u64, ReportError> {
     guarded(|| tables(writer.site.input, writer.out_dir)).or_else(|error| {
         let fault = Fault {
-            place: "table5.csv, conditions.csv, dma.csv".to_owned(),
+            place: "fits-wide.csv, conditions.csv, dma.csv".to_owned(),
             runs: Vec::new(),
             reason: reason_of(error)?,
         };
@@ -276,7 +276,7 @@ fn write_tables(writer: &PageWriter) -> Result<u64, ReportError> {
 
 fn tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
     let mut tables = vec![
-        ("table5.csv", fits_wide(&input.runs, &input.campaign)),
+        ("fits-wide.csv", fits_wide(&input.runs, &input.campaign)),
         ("conditions.csv", conditions_table(&input.runs, &input.campaign)),
     ];
     if !input.modulus_logs.is_empty() {

@@ -270,6 +270,17 @@ impl Table {
         self.with_columns(&kept)
     }
 
+    /// The same without the columns in which no row has anything.
+    pub fn without_empty(&self) -> Table {
+        let is_there = |&at: &usize| {
+            self.rows
+                .iter()
+                .any(|row| row.cells[at].content != Content::Missing)
+        };
+        let kept: Vec<usize> = (0..self.columns.len()).filter(is_there).collect();
+        self.with_columns(&kept)
+    }
+
     /// The same with these columns, by position, in this order. Footnotes that no cell has any more go with their columns.
     pub fn with_columns(&self, columns: &[usize]) -> Table {
         let mut notes = Notes::default();

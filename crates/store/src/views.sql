@@ -258,6 +258,7 @@ SELECT
     CAST(document ->> '$.follows' AS VARCHAR) AS follows,
     CAST(document ->> '$.over' AS VARCHAR) AS over,
     CAST(document ->> '$.claimed' AS INTEGER) AS claimed,
+    CAST(document ->> '$.certainty' AS VARCHAR) AS certainty,
     CAST(document ->> '$.scope' AS VARCHAR) AS scope,
     CAST(document ->> '$.scale' AS VARCHAR) AS scale,
     CAST(document ->> '$.per_unit' AS DOUBLE) AS per_unit,

@@ -259,16 +259,18 @@ fn remarks(of: &[Of], design: &Design, repeats: usize) -> Vec<String> {
         format!(
             "{}: strips differ by {}, a strip in one environment or at one humidity by {}, runs by {}, fits are known to {}",
             parameter.map_or("Any parameter", symbol),
-            percent(chance.strips),
-            percent(chance.in_surroundings),
-            percent(chance.runs),
-            percent(chance.fits)
+            percent(chance.middle.strips),
+            percent(chance.middle.in_surroundings),
+            percent(chance.middle.runs),
+            percent(chance.middle.fits)
         )
     };
     let scatter: Vec<String> = of.iter().map(told).collect();
     let origin = match of[0].1.told_by {
         0 => "Assumed, for no material has repeats on two strips in two environments",
-        _ => "By the runs of the campaign",
+        _ => {
+            "By the runs of the campaign, whose scatters are drawn anew for every simulated one as they leave them open"
+        }
     };
     let humidities = if design.humidities_are_measured {
         ""
@@ -289,10 +291,10 @@ fn remarks(of: &[Of], design: &Design, repeats: usize) -> Vec<String> {
 fn scatter((parameter, chance): &Of) -> ScatterEntry {
     ScatterEntry {
         parameter: *parameter,
-        strips_percent: 100.0 * chance.strips,
-        in_surroundings_percent: 100.0 * chance.in_surroundings,
-        runs_percent: 100.0 * chance.runs,
-        fits_percent: 100.0 * chance.fits,
+        strips_percent: 100.0 * chance.middle.strips,
+        in_surroundings_percent: 100.0 * chance.middle.in_surroundings,
+        runs_percent: 100.0 * chance.middle.runs,
+        fits_percent: 100.0 * chance.middle.fits,
         materials: chance.told_by,
     }
 }

@@ -120,6 +120,7 @@ pub fn laws_table(study: &Study) -> Frame {
         .plain("follows", |own| own.upper.as_str())
         .plain("over", |own| (!own.lower.is_empty()).then(|| own.lower.clone()))
         .plain("claimed", |own| own.verdict == Verdict::Differs)
+        .plain("certainty", |own| own.certainty.key())
         .plain("scope", |own| own.scope.key())
         .plain("scale", |own| own.scale.key())
         .plain("per_unit", |own| own.value)

@@ -4,12 +4,14 @@ use ieap_domain::modulus::step_keys;
 use ieap_domain::number::{fixed, measured, plain};
 use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::tag::keys;
+use ieap_domain::words::in_a_row;
 use ieap_domain::{Campaign, ModulusAnalysis, ModulusLog};
 use ieap_show::Block;
 
 use super::charts;
 use super::levels::{WholeSpan, whole_span};
 use super::sheet::{first_steps, humidity, round_trip, steps};
+use crate::study::factor;
 
 /// Everything, what the humidity does first.
 pub fn view(logs: &[ModulusLog], campaign: &Campaign) -> Vec<Block> {
@@ -44,44 +46,97 @@ pub fn name(log: &ModulusLog) -> &str {
 /// What the logs say in sentences, the largest change first.
 pub fn findings(logs: &[ModulusLog]) -> Vec<String> {
     let mut changes: Vec<(f64, String)> = analysed(logs)
-        .filter_map(|(log, found)| change_words(name(log), found))
+        .filter_map(|(log, found)| Some((name(log), Change::of(found)?)))
+        .map(|(name, own)| (own.percent.abs(), own.words(name)))
         .collect();
     changes.sort_by(|a, b| b.0.total_cmp(&a.0));
     changes.into_iter().map(|(_, text)| text).collect()
 }
 
-/// What the whole span of humidity does to a log's modulus, with its size.
-fn change_words(name: &str, found: &ModulusAnalysis) -> Option<(f64, String)> {
-    let step = found.steps.first()?;
-    let (value, error, interval, span) = match whole_span(found) {
-        Some(WholeSpan {
+/// What the overview says of the logs in a sentence, the largest changes first; none where no modulus changed.
+pub fn in_short(logs: &[ModulusLog]) -> Option<String> {
+    let of = |(log, found)| Some((name(log), Change::of(found)?));
+    let mut changes: Vec<(&str, Change)> = analysed(logs).filter_map(of).collect();
+    changes.retain(|(_, own)| own.is_told());
+    changes.sort_by(|a, b| {
+        b.1.ratio(b.1.percent)
+            .ln()
+            .abs()
+            .total_cmp(&a.1.ratio(a.1.percent).ln().abs())
+    });
+    let span = changes.first()?.1.span.clone();
+    let said = changes.iter().take(MOST_TOLD).map(|(name, own)| {
+        let [value, low, high] = [own.percent, own.ends.0, own.ends.1].map(|percent| own.ratio(percent));
+        let from = if own.span == span {
+            String::new()
+        } else {
+            format!(" from {}", own.span)
+        };
+        format!("|E*| of {name} {}{from}", factor(value, Some(low), Some(high)))
+    });
+    Some(format!("From {span} {}.", in_a_row(&said.collect::<Vec<_>>())))
+}
+
+/// Modulus logs of which the overview tells at most. Chosen: a line.
+const MOST_TOLD: usize = 3;
+
+/// What the whole span of humidity does to a log's modulus, percent of what it was.
+struct Change {
+    percent: f64,
+    error: f64,
+    ends: (f64, f64),
+    span: String,
+}
+
+impl Change {
+    fn of(found: &ModulusAnalysis) -> Option<Change> {
+        let step = found.steps.first()?;
+        if let Some(WholeSpan {
             from_to_percent: (from, to),
             change_percent,
             standard_error_percent,
-        }) => {
+        }) = whole_span(found)
+        {
             let reach = NORMAL_95_ROUNDED * standard_error_percent;
-            let interval = (change_percent - reach, change_percent + reach);
-            let span = format!("{} to {}\u{a0}%\u{a0}RH", fixed(from, 0), fixed(to, 0));
-            (change_percent, standard_error_percent, interval, span)
+            return Some(Change {
+                percent: change_percent,
+                error: standard_error_percent,
+                ends: (change_percent - reach, change_percent + reach),
+                span: format!("{} to {}\u{a0}%\u{a0}RH", fixed(from, 0), fixed(to, 0)),
+            });
         }
-        None => {
-            let change = step.estimate(step_keys::RELATIVE_CHANGE)?;
-            let interval = (change.low_95?, change.high_95?);
-            let error = change.standard_error.unwrap_or(0.0);
-            (change.value?, error, interval, humidity(step))
+        let change = step.estimate(step_keys::RELATIVE_CHANGE)?;
+        Some(Change {
+            percent: change.value?,
+            error: change.standard_error.unwrap_or(0.0),
+            ends: (change.low_95?, change.high_95?),
+            span: humidity(step),
+        })
+    }
+
+    /// Whether its interval holds no value without a change.
+    fn is_told(&self) -> bool {
+        self.ends.0 > 0.0 || self.ends.1 < 0.0
+    }
+
+    fn ratio(&self, percent: f64) -> f64 {
+        1.0 + percent / 100.0
+    }
+
+    fn words(&self, name: &str) -> String {
+        if !self.is_told() {
+            return format!(
+                "|E*| of {name} does not change beyond its uncertainty from {}.",
+                self.span
+            );
         }
-    };
-    let text = match interval {
-        (low, high) if low <= 0.0 && high >= 0.0 => {
-            format!("|E*| of {name} does not change beyond its uncertainty from {span}.")
-        }
-        _ => format!(
-            "|E*| of {name} {} by {}\u{a0}% from {span}.",
-            if value < 0.0 { "falls" } else { "rises" },
-            measured(value.abs(), error),
-        ),
-    };
-    Some((value.abs(), text))
+        format!(
+            "|E*| of {name} {} by {}\u{a0}% from {}.",
+            if self.percent < 0.0 { "falls" } else { "rises" },
+            measured(self.percent.abs(), self.error),
+            self.span
+        )
+    }
 }
 
 fn of_log(log: &ModulusLog, campaign: &Campaign) -> Block {

@@ -46,7 +46,7 @@ impl Asking<'_> {
             .iter()
             .filter_map(|at| self.measured(*at, key).map(|of| &**of))
             .collect();
-        let pairs = self.pairs(material, &both).into_iter();
+        let pairs = self.pairs(material, key, &both).into_iter();
         let mut found: Vec<Answer> = pairs
             .filter_map(|pair| self.by_material(&pair, material, key))
             .collect();

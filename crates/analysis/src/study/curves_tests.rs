@@ -84,7 +84,7 @@ fn study(design: Design, differs: bool, seed: u64) -> Study {
 }
 
 #[test]
-fn without_its_curves_a_study_is_what_it_is_where_none_were_read() {
+fn what_is_said_of_parameters_does_not_hang_on_curves() {
     let design = BALANCED;
     let (runs, mut campaign) = simulated(design, nothing, 1);
     campaign.study.compare = vec![Factor::Environment];
@@ -99,8 +99,11 @@ fn without_its_curves_a_study_is_what_it_is_where_none_were_read() {
         curves: &[],
         ..evidence
     });
+    let mut of_parameters = with.clone();
+    of_parameters.answers.retain(|own| !own.is_of_curve());
+    of_parameters.left_out_of_curves.clear();
     assert!(with != without);
-    assert_eq!(with.without_curves(&campaign), without);
+    assert_eq!(of_parameters, without);
 }
 
 /// The true difference at each time, percent of the range of both.

@@ -13,7 +13,7 @@ use crate::conditions::volts;
 impl Asking<'_> {
     /// What the study asked of a parameter whose values cannot be compared.
     pub(super) fn refused(&self, material: usize, key: &'static str, why: &str) -> Vec<Answer> {
-        let pairs = self.pairs(material, &[]).into_iter();
+        let pairs = self.pairs(material, key, &[]).into_iter();
         let pairs = pairs.filter(|pair| pair.is_of_study);
         let answer = |pair: Pair| Answer {
             is_of_study: true,
@@ -35,7 +35,7 @@ impl Asking<'_> {
             Some(Ok(of)) => of,
         };
         let mut found = Vec::new();
-        for pair in self.pairs(material, &[of]) {
+        for pair in self.pairs(material, key, &[of]) {
             let (upper, lower) = (&pair.upper, &pair.lower);
             let shared = self.shared(of, upper, lower);
             let blank = self.blank(Kind::Environment, material, key, (&upper.name, &lower.name));

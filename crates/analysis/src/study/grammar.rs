@@ -45,6 +45,15 @@ impl Standing {
     }
 }
 
+/// What an answer shows, how sure that is and of whom, in a few words: a cell of a table.
+pub(crate) fn in_short(answer: &Answer) -> &'static str {
+    match Standing::of(answer) {
+        Standing::Probably => "probably differs",
+        Standing::InStrips => "differs in the strips measured",
+        Standing::Sure | Standing::Alike | Standing::Bound | Standing::Open => answer.verdict.label(),
+    }
+}
+
 /// What an answer shows, as the rest of a sentence that begins with what is asked.
 pub(super) fn shows(answer: &Answer) -> String {
     match Standing::of(answer) {

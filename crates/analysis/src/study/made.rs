@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample, Standing as RunStanding};
+use ieap_domain::{Drive, Factor, RunRecord, Sample, Standing as RunStanding};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::answer::{Answer, Certainty, InScope, Kind, Scale, Scope, Verdict};
 use super::asked::Asked;
 use super::evidence::Evidence;
+use super::measured::distinct;
 use super::odd::OddValue;
 use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LIKELY_BELOW};
 use crate::cache::Cache;
@@ -115,18 +116,6 @@ impl Study {
         self
     }
 
-    /// What it says where nobody reads the curves: chances are judged together with fewer others then.
-    #[must_use]
-    pub fn without_curves(&self, campaign: &Campaign) -> Study {
-        let mut study = Study {
-            left_out_of_curves: Vec::new(),
-            ..self.clone()
-        };
-        study.answers.retain(|own| !own.is_of_curve());
-        judge(&mut study.answers, campaign.study.alike_percent);
-        study
-    }
-
     /// Answers to what the study asked.
     pub fn asked(&self) -> impl Iterator<Item = &Answer> {
         self.answers.iter().filter(|answer| answer.is_of_study)
@@ -191,16 +180,12 @@ fn varied(conditions: &Conditions) -> Vec<Factor> {
     .collect()
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details; in each of
-/// them what is told in the other scope by itself), and what it shows.
+/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details of parameters and
+/// of curves; in each of them what is told in the other scope by itself), and what it shows. What is said of parameters is the
+/// same whether curves are read or not.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
-    let family = |own: &Answer| match (own.is_of_study, own.is_of_curve(), own.kind) {
-        (true, false, _) => 0,
-        (true, true, _) => 1,
-        (false, _, Kind::OtherLaw) => 2,
-        (false, ..) => 3,
-    };
-    for of_family in 0..4 {
+    let family = |own: &Answer| (own.is_of_study, own.is_of_curve(), own.kind == Kind::OtherLaw);
+    for of_family in distinct(answers.iter().map(family)) {
         let mut judged: Vec<&mut Answer> = (answers.iter_mut())
             .filter(|own| family(own) == of_family && own.p.is_some())
             .collect();
@@ -232,13 +217,18 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
         };
     }
     // Where nothing is sure, the likeliest of many is what chance brings.
-    let some_is_sure = answers.iter().any(|own| own.verdict == Verdict::Differs);
+    let some_is_sure = [false, true].map(|is_of_curve| {
+        let mut all = answers.iter().filter(|own| own.is_of_curve() == is_of_curve);
+        all.any(|own| own.verdict == Verdict::Differs)
+    });
     let is_below = |of: Option<f64>, most: f64| of.is_some_and(|of| of <= most);
     for own in answers.iter_mut() {
         own.certainty = match own.verdict {
             Verdict::Differs | Verdict::Alike => Certainty::Sure,
             Verdict::Open
-                if some_is_sure && is_below(own.q, LIKELY_BELOW) && is_below(own.p, CLAIMED_BELOW) =>
+                if some_is_sure[usize::from(own.is_of_curve())]
+                    && is_below(own.q, LIKELY_BELOW)
+                    && is_below(own.p, CLAIMED_BELOW) =>
             {
                 Certainty::Likely
             }

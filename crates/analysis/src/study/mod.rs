@@ -55,8 +55,8 @@ pub use answer::{Answer, Basis, Certainty, Drawn, InScope, Kind, Point, Scale, S
 pub use course::{Course, courses};
 pub use evidence::Evidence;
 pub use grammar::UNTOLD;
-pub(crate) use grammar::factor;
+pub(crate) use grammar::{factor, in_short};
 pub use made::Study;
-pub use odd::OddValue;
+pub use odd::{OddValue, odd_in_short};
 pub use said::{first_parameter, first_screen, lead};
 pub use words::{about, sentence, symbol};

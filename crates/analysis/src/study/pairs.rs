@@ -4,7 +4,8 @@ use ieap_domain::Factor;
 
 use super::asking::Asking;
 use super::measured::{Cell, Measured};
-use super::policy::{MEMBERS_DIFFER, MOST_FOR_ALL_PAIRS};
+use super::measures::{BENDING_LOST, CURVES};
+use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LIKELY_FROM, MOST_FOR_ALL_PAIRS};
 
 /// Surroundings as one side of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +54,7 @@ impl Asking<'_> {
     /// Pairs of sides. Where some are dry and some are not, the study asks whether the dry ones are alike, and what the others
     /// do against them, together where these values have them alike and else against each; without dry ones each is held
     /// against the first. Surroundings are held against each other as details.
-    pub(super) fn pairs(&self, material: usize, of: &[&Measured]) -> Vec<Pair> {
+    pub(super) fn pairs(&self, material: usize, key: &str, of: &[&Measured]) -> Vec<Pair> {
         let known = &self.conditions.surroundings;
         let asks = self.asks(Factor::Environment) || self.asks(Factor::Humidity);
         let mut pairs: Vec<Pair> = Vec::new();
@@ -76,7 +77,7 @@ impl Asking<'_> {
                     name: format!("dry ({})", names.join(", ")),
                     surroundings: dry.iter().flat_map(|side| side.surroundings.clone()).collect(),
                 };
-                if of.iter().all(|of| self.are_alike(of, &dry)) {
+                if of.iter().all(|of| self.are_alike(of, key, &dry)) {
                     wet.iter().for_each(|side| add(side, &together, asks));
                 } else {
                     for side in &wet {
@@ -103,14 +104,21 @@ impl Asking<'_> {
         pairs
     }
 
-    /// Whether values tell no side from the first, by their scatter where that is known and else by the fits.
-    fn are_alike(&self, of: &Measured, sides: &[Side]) -> bool {
+    /// Whether no side is likely to differ from the first by what counts as a change, by the scatter of values where that is
+    /// known and else by the fits.
+    fn are_alike(&self, of: &Measured, key: &str, sides: &[Side]) -> bool {
+        let percent = self.rules.alike_percent.unwrap_or(ALIKE_PERCENT);
+        let least = match key {
+            BENDING_LOST => ALIKE_POINTS,
+            curve if CURVES.contains(&curve) => percent,
+            _ => (percent / 100.0).ln_1p(),
+        };
         let differs = |side: &Side| {
             let shared = self.shared(of, side, &sides[0]);
             let factors = self.difference(of, side, &sides[0], &shared)?;
             let law = of.with_scatter(&factors).map(|(law, _)| law);
             let law = law.or_else(|| of.by_fits(&factors))?;
-            Some(law.chance_of_none() <= MEMBERS_DIFFER / (sides.len() - 1) as f64)
+            Some(law.below(-least).max(law.times(-1.0).below(-least)) >= LIKELY_FROM)
         };
         !sides.iter().skip(1).any(|side| differs(side) == Some(true))
     }

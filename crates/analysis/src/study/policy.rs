@@ -9,9 +9,9 @@ pub const ALIKE_POINTS: f64 = 15.0;
 pub const FEWEST_LEVELS: usize = 3;
 /// Times that two curves must have in common for an answer about all of them: fewer than a decade is no whole curve. Chosen.
 pub const FEWEST_TIMES: usize = 4;
-/// Chance up to which environments are taken to differ, so that no mean over them is told: what is likely. Chosen: a mean of what
-/// differs is of neither, two answers of what does not say the same twice.
-pub const MEMBERS_DIFFER: f64 = 0.2;
+/// Chance from which on something is likely. Environments that are likely to differ by what counts as a change have no mean that
+/// is told: it would be of neither, and two answers of what does not differ say the same twice. Chosen.
+pub const LIKELY_FROM: f64 = 0.8;
 /// Largest q of what is likely, what is sure counted with it. Chosen; `cargo test -p ieap-analysis --lib study::likely --
 /// --include-ignored --nocapture` counts what follows: with nothing hidden nothing is likely in 60 campaigns.
 pub const LIKELY_BELOW: f64 = 0.1;

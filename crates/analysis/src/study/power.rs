@@ -28,9 +28,20 @@ use crate::laws::Covariate;
 use crate::laws::facts::{RunFacts, facts};
 use crate::parameters::COMPARED;
 
-/// What differs by chance: standard deviations of logarithms.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What differs by chance, as it is known.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Chance {
+    /// What it is, as likely larger as smaller.
+    pub middle: Sizes,
+    /// What it may be, each with how likely that is: one thing where it is assumed.
+    pub may_be: Vec<(f64, Sizes)>,
+    /// Materials whose runs tell it; none where it is assumed.
+    pub told_by: usize,
+}
+
+/// Standard deviations of logarithms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
     /// Of strips.
     pub strips: f64,
     /// Of a strip in one surroundings.
@@ -39,8 +50,6 @@ pub struct Chance {
     pub runs: f64,
     /// Of a fit.
     pub fits: f64,
-    /// Materials whose runs tell it; none where it is assumed.
-    pub told_by: usize,
 }
 
 /// What is asked.
@@ -81,31 +90,49 @@ pub struct Seen {
 impl Chance {
     /// What is assumed where no runs tell.
     pub fn assumed(scatter_percent: Option<f64>) -> Chance {
-        Chance {
+        Chance::known(Sizes {
             strips: STRIPS_DIFFER_PERCENT / 100.0,
             in_surroundings: SCATTER_PERCENT / 100.0,
             runs: scatter_percent.unwrap_or(SCATTER_PERCENT) / 100.0,
             fits: STATED_ERROR_PERCENT / 100.0,
+        })
+    }
+
+    /// What is taken for known.
+    pub fn known(sizes: Sizes) -> Chance {
+        Chance {
+            middle: sizes,
+            may_be: vec![(1.0, sizes)],
             told_by: 0,
         }
     }
+
+    /// What a simulated campaign has of it.
+    fn drawn(&self, random: &mut ChaCha8Rng) -> Sizes {
+        let all: f64 = self.may_be.iter().map(|own| own.0).sum();
+        let mut left = all * random.random::<f64>();
+        let reached = self.may_be.iter().find(|(weight, _)| {
+            left -= weight;
+            left < 0.0
+        });
+        reached.map_or(self.middle, |own| own.1)
+    }
 }
 
-/// What the runs of a campaign tell of each parameter of which they do: of materials with repeats on two strips and more in
-/// two surroundings and more, the mean of their variances.
+/// What the runs of a campaign tell of each parameter of which they do, of materials with repeats on two strips and more in two
+/// surroundings and more: what it may be of any of them, and the mean of their variances.
 pub fn chances(evidence: &Evidence) -> Vec<(&'static str, Chance)> {
     let conditions = conditions_of_materials(evidence.runs, evidence.campaign);
     let facts = facts(evidence.runs, evidence.campaign);
     let all = measured_of(evidence, &conditions, &facts);
     let of_key = |key: &'static str| {
         let own = all.iter().filter(|((_, own), _)| *own == key);
-        let told: Vec<[f64; 4]> = own.filter_map(|(_, of)| variances(of.as_ref().ok()?)).collect();
-        let mean = |k: usize| (told.iter().map(|own| own[k]).sum::<f64>() / told.len() as f64).sqrt();
+        let told: Vec<_> = own.filter_map(|(_, of)| variances(of.as_ref().ok()?)).collect();
+        let mean = |k: usize| told.iter().map(|(own, _)| own[k]).sum::<f64>() / told.len() as f64;
+        let may_be = told.iter().flat_map(|(_, may_be)| may_be.iter().copied());
         let chance = Chance {
-            strips: mean(0),
-            in_surroundings: mean(1),
-            runs: mean(2),
-            fits: mean(3),
+            middle: Sizes::of([0, 1, 2, 3].map(mean)),
+            may_be: may_be.map(|(weight, own)| (weight, Sizes::of(own))).collect(),
             told_by: told.len(),
         };
         (!told.is_empty()).then_some((key, chance))
@@ -113,13 +140,34 @@ pub fn chances(evidence: &Evidence) -> Vec<(&'static str, Chance)> {
     COMPARED.into_iter().filter_map(of_key).collect()
 }
 
-fn variances(of: &Measured) -> Option<[f64; 4]> {
+/// Variances of strips, of strips in surroundings, from run to run and of fits.
+type Variances = [f64; 4];
+
+/// Those in the middle, and those that may be.
+fn variances(of: &Measured) -> Option<(Variances, Vec<(f64, Variances)>)> {
     let surroundings = of.cells.iter().any(|cell| cell.0 != of.cells[0].0);
-    let [strips, in_surroundings, runs] = of.estimated()?.variances[..] else {
-        return None;
-    };
     let fits = of.values.iter().map(|own| own.variance).sum::<f64>() / of.values.len() as f64;
-    surroundings.then_some([strips, in_surroundings, runs, fits])
+    let with_fits = |own: &[f64]| match *own {
+        [strips, in_surroundings, runs] => Some([strips, in_surroundings, runs, fits]),
+        _ => None,
+    };
+    let estimated = of.estimated().filter(|_| surroundings)?;
+    let may_be = estimated
+        .likely_variances()
+        .map(|(weight, own)| Some((weight, with_fits(own)?)));
+    Some((with_fits(&estimated.variances)?, may_be.collect::<Option<_>>()?))
+}
+
+impl Sizes {
+    fn of(variances: Variances) -> Sizes {
+        let [strips, in_surroundings, runs, fits] = variances.map(f64::sqrt);
+        Sizes {
+            strips,
+            in_surroundings,
+            runs,
+            fits,
+        }
+    }
 }
 
 impl Planned {
@@ -138,7 +186,8 @@ impl Planned {
     fn seen_once(&self, chance: &Chance, (seed, stream): (u64, u64)) -> Seen {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
-        let values = self.simulated(chance, &mut random);
+        let sizes = chance.drawn(&mut random);
+        let values = self.simulated(sizes, &mut random);
         let (of_strips, of_material) = self.asked(values);
         let others: Vec<f64> = (1..self.questions).map(|_| random.random()).collect();
         let is_claimed = |p: Option<f64>| {
@@ -164,7 +213,7 @@ impl Planned {
         }
     }
 
-    fn simulated(&self, chance: &Chance, random: &mut ChaCha8Rng) -> Vec<Value> {
+    fn simulated(&self, chance: Sizes, random: &mut ChaCha8Rng) -> Vec<Value> {
         let mut draw = |size: f64| -> f64 {
             let of: f64 = StandardNormal.sample(random);
             size * of

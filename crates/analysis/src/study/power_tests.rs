@@ -1,16 +1,19 @@
 //! Power of planned studies against what is known without simulating.
 
-use super::power::{Chance, Planned, Question, Seen};
+use super::power::{Chance, Planned, Question, Seen, Sizes};
 
-const CHANCE: Chance = Chance {
+const SIZES: Sizes = Sizes {
     strips: 0.2,
     in_surroundings: 0.05,
     runs: 0.05,
     fits: 0.02,
-    told_by: 1,
 };
 
 fn seen(question: Question, strips: usize, change: f64) -> Seen {
+    seen_with(&Chance::known(SIZES), question, strips, change)
+}
+
+fn seen_with(chance: &Chance, question: Question, strips: usize, change: f64) -> Seen {
     let planned = Planned {
         question,
         strips,
@@ -19,7 +22,7 @@ fn seen(question: Question, strips: usize, change: f64) -> Seen {
         change,
         questions: 7,
     };
-    planned.seen(&CHANCE, (60, 5))
+    planned.seen(chance, (60, 5))
 }
 
 #[test]
@@ -41,6 +44,24 @@ fn more_strips_see_more_and_nothing_is_seen_where_nothing_is() {
     );
     let nothing = seen(levels, 2, 0.0);
     assert!(nothing.of_strips <= 2, "{nothing:?}");
+}
+
+#[test]
+fn scatters_that_a_pilot_leaves_open_are_drawn_and_not_taken_for_known() {
+    let far = |times: f64| Sizes {
+        in_surroundings: times * SIZES.in_surroundings,
+        runs: times * SIZES.runs,
+        ..SIZES
+    };
+    let open = Chance {
+        may_be: vec![(0.5, far(0.2)), (0.5, far(5.0))],
+        ..Chance::known(SIZES)
+    };
+    let of = |chance: &Chance| seen_with(chance, Question::Environment, 6, 0.26).of_material;
+    let [small, large] = [0.2, 5.0].map(|times| of(&Chance::known(far(times))));
+    let (known, open) = (of(&Chance::known(SIZES)), of(&open));
+    assert!(small > 55 && known > 50 && large < 20, "{small} {known} {large}");
+    assert!((20..48).contains(&open), "{open}");
 }
 
 #[test]

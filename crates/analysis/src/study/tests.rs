@@ -361,7 +361,7 @@ fn with_swapped(seed: u64, names: [&str; 2], are_left_out: bool) -> Study {
 fn two_swapped_runs_are_named_and_move_no_answer() {
     // A run of the material whose lambda is five times larger in air, and one of the material whose alpha is halved in vacuum.
     let swapped = ["CNaf-1-air-0-1", "CPvf-2-vacuum-1-0"];
-    let (mut held, mut asked) = (0, 0);
+    let (mut held, mut asked, mut said_swapped) = (0, 0, 0);
     for seed in 0..8 {
         let [odd, clean] = [false, true].map(|are_left_out| with_swapped(seed, swapped, are_left_out));
         let is_named = |name: &str| {
@@ -375,6 +375,11 @@ fn two_swapped_runs_are_named_and_move_no_answer() {
             said.contains("is not like the other runs of its condition"),
             "{said}"
         );
+        let in_short = odd_in_short(&odd.odd).unwrap();
+        assert_eq!(odd_in_short(&clean.odd), None);
+        said_swapped += usize::from(in_short.contains(" may be swapped"));
+        let odd_ones = odd.odd.iter().filter(|own| own.weight >= 0.99);
+        assert_eq!(odd_ones.count(), 0, "{:?}", odd.odd);
         let both = clean.asked().zip(odd.asked());
         for (clean, own) in both.filter(|(own, _)| own.scale == Scale::Ratio) {
             let (Some(low), Some(high)) = (clean.low_95, clean.high_95) else {
@@ -389,6 +394,7 @@ fn two_swapped_runs_are_named_and_move_no_answer() {
         }
     }
     println!("{held} of {asked}");
+    assert!(said_swapped >= 6, "{said_swapped} of 8");
     assert!(held * 10 >= asked * 9, "{held} of {asked}");
 }
 

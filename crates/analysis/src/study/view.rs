@@ -10,7 +10,7 @@ use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
 use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
-use super::grammar::{Standing, adverb, in_strips, untold};
+use super::grammar::{Standing, adverb, in_short, in_strips, untold};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
 use super::odd::odd_runs;
@@ -34,9 +34,10 @@ const ALSO: Quantity = Quantity::plain(
 );
 const NUMBER: Quantity = Quantity::plain(
     "ratio",
-    "ratio, points or %",
+    "Change",
     "ratio with its 95 % interval; points of bending lost; relative change per unit; percent of the range of a curve",
 );
+const UNIT: Quantity = Quantity::plain("unit", "in", "what the change is counted in");
 const INTERVAL: Quantity = Quantity::plain(
     "interval_95",
     "95 %",
@@ -44,12 +45,12 @@ const INTERVAL: Quantity = Quantity::plain(
 );
 const FITS_INTERVAL: Quantity = Quantity::plain(
     "interval_95_by_fits",
-    "by the fits",
+    "95 % by errors of fits alone",
     "its 95 % interval by the errors of the fits alone",
 );
 const MOST_AT: Quantity = Quantity::new(
     "most_at_s",
-    "most at",
+    "largest at",
     "time after the step at which curves differ most",
     "s",
 );
@@ -60,7 +61,7 @@ const MOST: Quantity = Quantity::plain(
 );
 const UNDONE: Quantity = Quantity::plain(
     "undone_by_scatter_percent",
-    "undone by",
+    "a scatter that would undo it",
     "scatter from run to run that would undo it, percent or points; of one run a condition",
 );
 const Q: Quantity = Quantity::plain("q", "q", "false-discovery rate at which it would be claimed");
@@ -91,7 +92,7 @@ const FEW: i32 = 2;
 
 /// Table `contrasts`: every answer, or those of the study alone.
 pub fn table<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
-    table_with(answers, |own| own.verdict.label().to_owned())
+    table_with(answers, |own| in_short(own).to_owned())
 }
 
 /// The same, with these words for what is shown.
@@ -122,6 +123,7 @@ fn table_with<'a>(
         .column(LOWER, |own| (!own.lower.is_empty()).then(|| own.lower.clone()))
         .column(VOLTAGES, |own| voltages(&own.voltages_v))
         .column(NUMBER, |own| own.estimate())
+        .column(UNIT, unit)
         .column(MOST_AT, move |own| rough(own.most_at_s))
         .column(INTERVAL, |own| ends((own.low_95, own.high_95)))
         .column(SCOPE, |own| own.scope.label())
@@ -139,6 +141,19 @@ fn table_with<'a>(
         .over(answers)
 }
 
+/// What the number of an answer is counted in.
+fn unit(own: &&Answer) -> String {
+    match (own.scale, own.unit()) {
+        (Scale::Ratio, _) => "times".to_owned(),
+        (Scale::OfRange, _) => "% of its range".to_owned(),
+        (Scale::Points, _) if !own.kind.is_law() => "points".to_owned(),
+        (Scale::Points, "") => "points for one more".to_owned(),
+        (Scale::Points, unit) => format!("points per {unit}"),
+        (Scale::PerUnit, "") => "of itself for one more".to_owned(),
+        (Scale::PerUnit, unit) => format!("of itself per {unit}"),
+    }
+}
+
 /// The same on the page, which says beside it what is compared, what intervals rest on and what changed with what.
 fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
     let beside = [
@@ -153,7 +168,8 @@ fn on_page<'a>(answers: impl IntoIterator<Item = &'a Answer>) -> Table {
         RUNS,
         ALSO,
     ];
-    table_with(answers, shown_in_words).without(&beside.map(|own| own.key))
+    let table = table_with(answers, shown_in_words).without(&beside.map(|own| own.key));
+    table.without_empty()
 }
 
 /// What is shown, and what would tell it where that is open.
@@ -164,7 +180,7 @@ fn shown_in_words(answer: &Answer) -> String {
             text.trim_end().to_owned()
         }
         Standing::Alike => "does not change".to_owned(),
-        Standing::Bound => answer.verdict.label().to_owned(),
+        Standing::Bound => in_short(answer).to_owned(),
         Standing::Open => untold(answer),
     }
 }
@@ -224,10 +240,13 @@ pub fn view(study: &Study) -> Vec<Block> {
     blocks.push(Block::part("What the study asked", vec![table]));
     let laws = laws::of(study);
     if !laws.rows.is_empty() {
-        blocks.push(Block::part("Laws", vec![Block::Table(laws)]));
+        blocks.push(Block::part("Laws", vec![Block::Table(laws.without_empty())]));
     }
     if let Some(each) = at_each_voltage(study) {
-        blocks.push(Block::part("At each voltage", vec![Block::Table(each)]));
+        blocks.push(Block::part(
+            "At each voltage",
+            vec![Block::Table(each.without_empty())],
+        ));
     }
     let mut how: Vec<Block> = basis(&asked).into_iter().map(Block::Say).collect();
     how.extend(left_out(study).into_iter().map(Block::Say));

@@ -31,7 +31,7 @@ impl Asking<'_> {
             return Vec::new();
         }
         let mut found = Vec::new();
-        let pairs = self.pairs(material, &[widest]).into_iter();
+        let pairs = self.pairs(material, key, &[widest]).into_iter();
         for pair in pairs.filter(|pair| pair.is_of_study) {
             let shared = self.shared(widest, &pair.upper, &pair.lower);
             let names = (pair.upper.name.as_str(), pair.lower.name.as_str());

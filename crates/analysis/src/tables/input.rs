@@ -62,8 +62,8 @@ pub struct TableInput<'a> {
 impl<'a> TableInput<'a> {
     /// What the study asked, with its answers.
     pub fn study(&self) -> Study {
-        if let Some(told) = self.told.filter(|_| self.curves.is_empty()) {
-            return told.without_curves(self.campaign);
+        if let Some(told) = self.told {
+            return told.clone();
         }
         Study::of(Evidence {
             runs: self.runs,

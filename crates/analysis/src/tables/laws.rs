@@ -1,7 +1,7 @@
 //! Laws: by which factor a parameter goes over the range of what it follows, of the strips measured and of their material.
 
 use super::TableInput;
-use crate::study::{Answer, InScope, Study, symbol};
+use crate::study::{Answer, InScope, Study, in_short, symbol};
 use ieap_domain::Estimate;
 use ieap_domain::number::significant;
 use ieap_show::quantities::{MATERIAL, Quantity, RUNS, SAMPLES};
@@ -65,7 +65,7 @@ pub fn of(study: &Study) -> Table {
             let names = [own.upper.as_str(), own.lower.as_str()].join(" over ");
             names.trim_end_matches(" over ").to_owned()
         })
-        .column(SHOWN, |own| own.verdict.label())
+        .column(SHOWN, |own| in_short(own))
         .column(FACTOR, |own| Value::from(factor(own)))
         .column(INTERVAL, |own| ends(&factor(own)))
         .column(SCOPE, |own| own.scope.label())

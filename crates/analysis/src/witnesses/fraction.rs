@@ -1,7 +1,7 @@
-//! A stated relative humidity in (0, 1]: the percent that its key says, or a fraction of one. The number fits both; in what holds
-//! no water it is the percent.
+//! Stated relative humidities of which none is above 1: percent, as their key says, or fractions of one. A number alone fits
+//! both; a source that anywhere states more than 1 states percent, and in what holds no water it is the percent.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ieap_domain::number::to_digits;
 use ieap_domain::surroundings::is_waterless;
@@ -11,31 +11,51 @@ use ieap_domain::{Contradiction, RunRecord, Tag, TagSource};
 
 use super::words::{command, until_answered, who};
 
-/// The humidity that holds for a run, where it may be a fraction and nobody answered: what was measured is no statement, and
-/// `ieap tag` is the answer.
-pub(super) fn doubtful(run: &RunRecord) -> Option<&Tag> {
+/// Sources that may state fractions.
+pub(super) struct Fractions(BTreeSet<TagSource>);
+
+/// A humidity that holds for a run, with its number, where nobody answered: what was measured is no statement, and `ieap tag` is
+/// the answer.
+fn stated(run: &RunRecord) -> Option<(&Tag, f64)> {
     let holds = (run.tags.iter()).find(|tag| tag.key == keys::RELATIVE_HUMIDITY_PERCENT)?;
     let is_stated = holds.source.is_stated() && holds.source != TagSource::Hand;
     let number = holds.value.parse::<f64>().ok()?;
-    let is_waterless = run.tag(keys::ENVIRONMENT).is_some_and(is_waterless);
-    (is_stated && !is_waterless && number > 0.0 && number <= 1.0).then_some(holds)
+    is_stated.then_some((holds, number))
+}
+
+impl Fractions {
+    /// Of all that is stated of these runs.
+    pub fn of(runs: &[&RunRecord]) -> Fractions {
+        let all = || runs.iter().filter_map(|run| stated(run));
+        let in_percent: BTreeSet<TagSource> =
+            all().filter(|own| own.1 > 1.0).map(|own| own.0.source).collect();
+        let sources = all().map(|own| own.0.source);
+        Fractions(sources.filter(|own| !in_percent.contains(own)).collect())
+    }
+
+    /// The humidity of a run that may be a fraction.
+    pub fn doubtful<'a>(&self, run: &'a RunRecord) -> Option<&'a Tag> {
+        let (holds, number) = stated(run)?;
+        let is_waterless = run.tag(keys::ENVIRONMENT).is_some_and(is_waterless);
+        (self.0.contains(&holds.source) && !is_waterless && number > 0.0).then_some(holds)
+    }
+
+    /// One question for all runs of which one source states such numbers: who writes fractions writes them throughout.
+    pub fn questions(&self, runs: &[&RunRecord]) -> Vec<Contradiction> {
+        let mut of_sources: BTreeMap<TagSource, Stated> = BTreeMap::new();
+        for run in runs {
+            if let Some(tag) = self.doubtful(run) {
+                let of_source = of_sources.entry(tag.source).or_default();
+                let same = of_source.entry(&tag.value);
+                same.or_insert((tag, Vec::new())).1.push(&run.path);
+            }
+        }
+        of_sources.values().filter_map(question).collect()
+    }
 }
 
 /// Runs by what is stated of them, with the tag that does.
 type Stated<'a> = BTreeMap<&'a str, (&'a Tag, Vec<&'a str>)>;
-
-/// One question for all runs of which one source states such numbers: who writes fractions writes them throughout.
-pub(super) fn questions(runs: &[&RunRecord]) -> Vec<Contradiction> {
-    let mut of_sources: BTreeMap<TagSource, Stated> = BTreeMap::new();
-    for run in runs {
-        if let Some(tag) = doubtful(run) {
-            let of_source = of_sources.entry(tag.source).or_default();
-            let same = of_source.entry(&tag.value);
-            same.or_insert((tag, Vec::new())).1.push(&run.path);
-        }
-    }
-    of_sources.values().filter_map(question).collect()
-}
 
 fn question(stated: &Stated) -> Option<Contradiction> {
     let ((_, (tag, _)), (_, (last, _))) = (stated.first_key_value()?, stated.last_key_value()?);

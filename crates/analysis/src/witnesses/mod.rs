@@ -1,7 +1,8 @@
 //! The court of witnesses: what run sheet, file name, folder, sidecar, head of the file and readings say of a run's sample,
 //! environment, voltage and humidity. Where they contradict each other it is one question for all runs that it is asked of,
 //! with what their readings are like; until a person answers, these runs speak in no result. A humidity that was logged is no
-//! guess that waits: the run speaks with it, and the label is asked. A humidity that is a percent or a fraction waits too.
+//! guess that waits: the run speaks with it, and the label is asked. A source whose
+//! humidities may be percent or fractions is asked once, and its runs wait too.
 //!
 //! Whether two sources contradict each other is decided where tags are chosen, and stands with the run as a warning
 //! ([`DISAGREEMENT`](ieap_domain::tag::DISAGREEMENT), [`NAMES_CONTRADICT`](ieap_domain::tag::NAMES_CONTRADICT)); here only which of these a result could hang on.
@@ -17,6 +18,7 @@ use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, Contradiction, RunRecord, Standing};
 
 use doubt::{Doubt, KEYS, doubt, measured};
+use fraction::Fractions;
 use likeness::Witnesses;
 
 /// What is to be asked of the runs among `runs` that speak or wait for an answer, one question for all runs that it is the same
@@ -31,7 +33,9 @@ pub fn questions<'a>(
         together.entry(asked_as(&doubt)).or_default().push(doubt);
     }
     let of_two = together.values().map(|doubts| words::question(doubts));
-    of_two.chain(fraction::questions(&asked(&all))).collect()
+    of_two
+        .chain(Fractions::of(&all).questions(&asked(&all)))
+        .collect()
 }
 
 /// Runs that wait for an answer: place among `runs`, who says what, and how to answer.
@@ -46,8 +50,9 @@ pub(crate) fn contradicted(runs: &[&RunRecord], campaign: &Campaign) -> BTreeMap
         let at = places[&doubt.run.path[..]];
         found.entry(at).or_default().push(words::question(&[doubt]));
     }
+    let fractions = Fractions::of(runs);
     for run in asked(runs) {
-        for question in fraction::questions(&[run]) {
+        for question in fractions.questions(&[run]) {
             found.entry(places[&run.path[..]]).or_default().push(question);
         }
     }
@@ -97,11 +102,12 @@ fn doubts<'a>(runs: &[&'a RunRecord], campaign: &Campaign) -> Vec<Doubt<'a>> {
     }
     let silenced = found.iter().filter(|doubt| doubt.silences());
     let in_doubt: HashSet<&str> = silenced.map(|doubt| &doubt.run.path[..]).collect();
+    let fractions = Fractions::of(runs);
     let is_witness = |run: &&&RunRecord| {
         let waits = matches!(run.standing, Standing::Contradicted { .. });
         (run.standing.speaks() || waits)
             && !in_doubt.contains(&run.path[..])
-            && fraction::doubtful(run).is_none()
+            && fractions.doubtful(run).is_none()
     };
     let witnesses = Witnesses::of(runs.iter().filter(is_witness).copied().collect(), campaign);
     for doubt in &mut found {

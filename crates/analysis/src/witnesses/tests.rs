@@ -244,7 +244,9 @@ fn a_humidity_that_may_be_a_fraction_waits_until_a_person_says_what_it_is() {
         stated("y", "0.33", TagSource::RunSheet),
         stated("z", "1", TagSource::FileName),
         stated("dry", "0", TagSource::FileName),
-        stated("wet", "33", TagSource::FileName),
+        stated("wet", "0.33", TagSource::FileName),
+        stated("sidecar", "0.5", TagSource::Sidecar),
+        stated("percent", "33", TagSource::Sidecar),
         stated("answered", "0.33", TagSource::Hand),
         stated("logged", "0.33", TagSource::Ambient),
         stated("box", "0.5", TagSource::EnvironmentDefault),
@@ -258,10 +260,10 @@ fn a_humidity_that_may_be_a_fraction_waits_until_a_person_says_what_it_is() {
             ],
         ),
         (
-            "runs/z.csv: the file name says relative humidity 1\u{a0}%, or 100\u{a0}% if that is a fraction",
+            "2 runs: the file name says relative humidity 0.33 to 1\u{a0}%, or 33 to 100\u{a0}% if that is a fraction",
             [
-                r#"ieap tag "runs/z.csv" relative_humidity_percent=100"#,
-                r#"ieap tag "runs/z.csv" relative_humidity_percent=1"#,
+                r#"ieap tag "runs/wet.csv" relative_humidity_percent=33 && ieap tag "runs/z.csv" relative_humidity_percent=100"#,
+                r#"ieap tag "runs/wet.csv" relative_humidity_percent=0.33 && ieap tag "runs/z.csv" relative_humidity_percent=1"#,
             ],
         ),
     ];
@@ -277,7 +279,10 @@ fn a_humidity_that_may_be_a_fraction_waits_until_a_person_says_what_it_is() {
     let waiting: Vec<&str> = (runs.iter().filter(|run| !run.standing.speaks()))
         .map(|run| &run.path[..])
         .collect();
-    assert_eq!(waiting, ["runs/x.csv", "runs/y.csv", "runs/z.csv"]);
+    assert_eq!(
+        waiting,
+        ["runs/x.csv", "runs/y.csv", "runs/z.csv", "runs/wet.csv"]
+    );
     assert_eq!(asked(&runs), told);
 }
 

@@ -20,6 +20,12 @@ const WIDEST_STEP: f64 = 1.5;
 /// A scatter below this part of all that differs is rounding.
 const LEAST_PART: f64 = 1e-9;
 
+/// Scatters of a model at most, that of readings with them.
+pub(super) const MOST_SCATTERS: usize = 4;
+
+/// A place of each scatter, that of readings first; 0 of those that a model does not have.
+pub(super) type Place = [i32; MOST_SCATTERS];
+
 /// Places of one scatter: nothing, where that is possible, then so many steps of its logarithm above the least.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
@@ -78,7 +84,7 @@ pub(super) struct Before {
     widths: Vec<Width>,
     pub axes: Vec<Axis>,
     /// Places from which the most likely ones are sought.
-    pub start: Vec<i32>,
+    pub start: Place,
 }
 
 impl Before {
@@ -105,7 +111,8 @@ impl Before {
         };
         let mut axes = vec![Axis::new(least, left, fit > 0.0)];
         let size = from.hypot(fit).max(LEAST_PART * all);
-        let mut start = vec![axes[0].nearest(from.max(LEAST_PART * all))];
+        let mut start = [0; MOST_SCATTERS];
+        start[0] = axes[0].nearest(from.max(LEAST_PART * all));
         for (component, width) in model.widths.iter().enumerate() {
             let (levels, most) = levels(model, component);
             let width = match width {
@@ -114,7 +121,7 @@ impl Before {
             };
             // Below its part in the mean of the readings that share it a component makes no difference.
             let axis = Axis::new((0.3 * width / most.max(1.0).sqrt()).ln(), 0.5 * levels, true);
-            start.push(axis.nearest(width.sqrt()));
+            start[component + 1] = axis.nearest(width.sqrt());
             axes.push(axis);
         }
         Some(Before {
@@ -127,14 +134,14 @@ impl Before {
     }
 
     /// The variances at some places, that of readings last, and the logarithm of the mass that these have before.
-    pub fn at(&self, places: &[i32]) -> (Vec<f64>, f64) {
+    pub fn at(&self, places: &Place, variances: &mut Vec<f64>) -> f64 {
         let own = self.axes[0].at(places[0]);
         let mut log_mass = match places[0] {
             0 => (self.axes[0].end_of_nothing() / self.fit).asinh(),
             _ => self.axes[0].step * own / own.hypot(self.fit),
         }
         .ln();
-        let mut variances = Vec::with_capacity(places.len());
+        variances.clear();
         let components = self.axes.iter().zip(places).skip(1);
         for ((axis, &place), width) in components.zip(&self.widths) {
             let part = axis.at(place);
@@ -150,7 +157,7 @@ impl Before {
             variances.push((part * width).powi(2));
         }
         variances.push(own * own);
-        (variances, log_mass)
+        log_mass
     }
 }
 

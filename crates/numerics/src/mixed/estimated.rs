@@ -46,28 +46,44 @@ impl Estimated {
         let scatters = points.first().map_or(0, |own| own.variances.len());
         let mean = |k: usize| points.iter().map(|own| own.weight * own.coefficients[k]).sum();
         let coefficients: Vec<f64> = (0..fixed).map(mean).collect();
-        let entry = |a: usize, b: usize| {
-            let off = |own: &Point, k: usize| own.coefficients[k] - coefficients[k];
-            let of = |own: &Point| own.weight * (own.covariance.get(a, b) + off(own, a) * off(own, b));
-            points.iter().map(of).sum()
-        };
+        let mut covariance = Symmetric::zero(fixed);
+        let mut off = vec![0.0; fixed];
+        for own in &points {
+            let each = own.coefficients.iter().zip(&coefficients);
+            off.iter_mut()
+                .zip(each)
+                .for_each(|(off, (own, mean))| *off = own - mean);
+            covariance.add_times(own.weight, &own.covariance);
+            covariance.add_square(own.weight, &off);
+        }
         Estimated {
-            covariance: Symmetric::from_fn(fixed, entry),
+            covariance,
             variances: (0..scatters).map(|k| middle(&points, k)).collect(),
             coefficients,
             points,
         }
     }
 
+    /// The variances that it may be, each with how likely that is.
+    pub fn likely_variances(&self) -> impl Iterator<Item = (f64, &[f64])> {
+        self.points.iter().map(|own| (own.weight, &own.variances[..]))
+    }
+
     /// The combination of what is fixed by these factors.
     pub fn combined(&self, factors: &[f64]) -> Mixture {
+        let some: Vec<(usize, f64)> = factors
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|own| own.1 != 0.0)
+            .collect();
+        let sum = |of: &[f64]| some.iter().map(|(k, factor)| factor * of[*k]).sum::<f64>();
         Mixture::of(self.points.iter().map(|own| {
-            let variance = own.covariance.form(factors, factors);
-            (
-                own.weight,
-                dot(factors, &own.coefficients),
-                variance.max(0.0).sqrt(),
-            )
+            let variance = some
+                .iter()
+                .map(|(k, factor)| factor * sum(own.covariance.row(*k)));
+            let variance = variance.sum::<f64>();
+            (own.weight, sum(&own.coefficients), variance.max(0.0).sqrt())
         }))
     }
 

@@ -137,76 +137,113 @@ impl<'r, 'a> AtReadings<'r, 'a> {
         })
     }
 
-    /// Roots of the variances of components by column, of those that are not nothing.
-    fn roots(&self, variances: &[f64]) -> (Vec<usize>, Vec<f64>) {
-        let of = self.rows.component_of.iter().enumerate();
-        let roots = of.map(|(column, of)| (column, variances[*of].max(0.0).sqrt()));
-        roots.filter(|(_, root)| *root > 0.0).unzip()
-    }
-
     /// Logarithm of the restricted likelihood with components of these variances, without its constant.
-    pub fn log_likelihood(&self, variances: &[f64]) -> f64 {
-        let (log_determinant, taken) = self.of_components(variances);
+    pub fn log_likelihood(&self, variances: &[f64], room: &mut Room) -> f64 {
+        let (log_determinant, taken) = self.of_components(variances, room);
         self.log_likelihood - 0.5 * (log_determinant - taken)
     }
 
     /// Square of what is left with components of these variances, each reading in its error.
     pub fn square_beside(&self, variances: &[f64]) -> f64 {
-        self.square - self.of_components(variances).1
+        self.square - self.of_components(variances, &mut Room::default()).1
     }
 
     /// What components of these variances add to the logarithm of the determinant, and what they take from the square.
-    fn of_components(&self, variances: &[f64]) -> (f64, f64) {
-        let (columns, roots) = self.roots(variances);
-        let Some(factor) = self.inner(&columns, &roots).cholesky(0.0) else {
+    fn of_components(&self, variances: &[f64], room: &mut Room) -> (f64, f64) {
+        self.write_inner(variances, 0, room);
+        let Some(log_determinant) = room.eliminate() else {
             return (f64::NAN, f64::NAN);
         };
-        let mut taken: Vec<f64> = columns
-            .iter()
-            .zip(&roots)
-            .map(|(k, root)| self.towards[*k] * root)
-            .collect();
-        factor.solve_factor(&mut taken);
-        (factor.log_determinant(), dot(&taken, &taken))
+        let pull = room.rows().map(|row| row[row.len() - 1]);
+        (log_determinant, pull.map(|own| own * own).sum())
     }
 
-    /// What is known with components of these variances.
-    pub fn with(&self, variances: &[f64]) -> Likely {
-        let (columns, roots) = self.roots(variances);
-        let factor = self.inner(&columns, &roots).cholesky(0.0).unwrap_or_default();
+    /// What is known with components of these variances; none where they are no numbers.
+    pub fn with(&self, variances: &[f64], room: &mut Room) -> Option<Likely> {
         let fixed = self.coefficients.len();
-        // What the factor makes of each column of what goes through chance, and of what pulls at it.
-        let through = |fixed: usize| {
-            let own = columns
-                .iter()
-                .zip(&roots)
-                .map(|(k, root)| root * self.through[*k][fixed]);
-            let mut own: Vec<f64> = own.collect();
-            factor.solve_factor(&mut own);
-            own
+        let mut likely = Likely {
+            coefficients: self.coefficients.clone(),
+            covariance: self.covariance.clone(),
         };
-        let through: Vec<Vec<f64>> = (0..fixed).map(through).collect();
-        let mut pull: Vec<f64> = columns
-            .iter()
-            .zip(&roots)
-            .map(|(k, root)| self.towards[*k] * root)
-            .collect();
-        factor.solve_factor(&mut pull);
-        let own = |a: usize, b: usize| self.covariance.get(a, b) + dot(&through[a], &through[b]);
-        Likely {
-            coefficients: (0..fixed)
-                .map(|k| self.coefficients[k] - dot(&through[k], &pull))
-                .collect(),
-            covariance: Symmetric::from_fn(fixed, own),
+        self.write_inner(variances, fixed, room);
+        room.eliminate()?;
+        for row in room.rows() {
+            let (pull, through) = (row[row.len() - 1], &row[row.len() - 1 - fixed..row.len() - 1]);
+            let coefficients = likely.coefficients.iter_mut().zip(through);
+            coefficients.for_each(|(own, through)| *own -= through * pull);
+            likely.covariance.add_square(1.0, through);
+        }
+        Some(likely)
+    }
+
+    /// Writes `1 + G^1/2 S G^1/2` of the columns whose variances are not nothing, and behind each row what goes through it to so
+    /// many fixed columns, and what pulls at it.
+    fn write_inner(&self, variances: &[f64], fixed: usize, room: &mut Room) {
+        room.of_columns(&self.rows.component_of, variances);
+        room.width = room.columns.len() + fixed + 1;
+        room.entries.clear();
+        for (at, (&column, root)) in room.columns.iter().zip(&room.roots).enumerate() {
+            let own = self.own.row(column);
+            let others = room.columns.iter().zip(&room.roots);
+            room.entries
+                .extend(others.map(|(other, of)| root * own[*other] * of));
+            let begin = room.entries.len() - room.columns.len();
+            room.entries[begin + at] += 1.0;
+            let through = self.through[column].iter().take(fixed);
+            room.entries.extend(through.map(|own| root * own));
+            room.entries.push(root * self.towards[column]);
+        }
+    }
+}
+
+/// Room for what is worked out at one place of the scatters, used again at the next: rows of a matrix with what stands behind them.
+#[derive(Default)]
+pub(super) struct Room {
+    /// Columns of components that are not nothing, with the roots of their variances.
+    columns: Vec<usize>,
+    roots: Vec<f64>,
+    entries: Vec<f64>,
+    width: usize,
+}
+
+impl Room {
+    fn of_columns(&mut self, component_of: &[usize], variances: &[f64]) {
+        self.columns.clear();
+        self.roots.clear();
+        for (column, of) in component_of.iter().enumerate() {
+            let root = variances[*of].max(0.0).sqrt();
+            if root > 0.0 {
+                self.columns.push(column);
+                self.roots.push(root);
+            }
         }
     }
 
-    /// `1 + G^1/2 S G^1/2` of some columns.
-    fn inner(&self, columns: &[usize], roots: &[f64]) -> Symmetric {
-        let unit = |a, b| f64::from(u8::from(a == b));
-        Symmetric::from_fn(columns.len(), |a, b| {
-            unit(a, b) + roots[a] * self.own.get(columns[a], columns[b]) * roots[b]
-        })
+    fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.entries.chunks_exact(self.width)
+    }
+
+    /// Makes of the matrix the transpose of its Cholesky factor `L`, of what stands behind it the solution of `L x = right`; the
+    /// logarithm of the determinant, or none where a pivot is no positive number.
+    fn eliminate(&mut self) -> Option<f64> {
+        let mut log_determinant = 0.0;
+        for at in 0..self.columns.len() {
+            let (before, below) = self.entries.split_at_mut((at + 1) * self.width);
+            let own = &mut before[at * self.width..][at..];
+            let pivot = own[0];
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return None;
+            }
+            log_determinant += pivot.ln();
+            let root = pivot.sqrt().recip();
+            own.iter_mut().for_each(|entry| *entry *= root);
+            for (k, row) in below.chunks_exact_mut(self.width).enumerate() {
+                let factor = own[k + 1];
+                let rest = row[at + k + 1..].iter_mut().zip(&own[k + 1..]);
+                rest.for_each(|(entry, own)| *entry -= factor * own);
+            }
+        }
+        Some(log_determinant)
     }
 }
 
@@ -233,8 +270,13 @@ impl AtReadings<'_, '_> {
     /// what would be left without it; 0 where nothing else is said of it: by unit and place. `own_part`: of its information
     /// that must be its own.
     pub fn standings(&self, variances: &[f64], own_part: f64) -> Vec<((usize, usize), f64)> {
-        let (columns, roots) = self.roots(variances);
-        let inverse = self.inner(&columns, &roots).inverse(0.0);
+        let mut room = Room::default();
+        room.of_columns(&self.rows.component_of, variances);
+        let (columns, roots) = (&room.columns, &room.roots);
+        let inner = Symmetric::from_fn(columns.len(), |a, b| {
+            f64::from(u8::from(a == b)) + roots[a] * self.own.get(columns[a], columns[b]) * roots[b]
+        });
+        let inverse = inner.inverse(0.0);
         let mut middle = Symmetric::zero(self.towards.len());
         for (a, &row) in columns.iter().enumerate() {
             for (b, &column) in columns.iter().enumerate().take(a + 1) {

@@ -84,7 +84,8 @@ impl MixedModel {
             weight: 1.0 - odds / (1.0 + some),
             ..own
         });
-        weighed.collect()
+        // What is no likelier of something else than before it was looked at is like the others.
+        weighed.filter(|own| own.weight < 1.0 - PART_ODD).collect()
     }
 
     /// How far off a reading stands of what the others say, and the odds that it is of something else; none where they say

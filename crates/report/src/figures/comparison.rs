@@ -101,8 +101,7 @@ pub fn comparison_on(area: &Area, groups: &[Group], y: &Axis) -> Result<(), Stri
     label(&mut chart, (at, y.low), below, &names.axis_title, &axis_title)?;
     let mut left = 0.0;
     for (index, group) in groups.iter().enumerate() {
-        let lane = index as u32 % names.lanes;
-        draw_names(&mut chart, y, group, left, &names, lane)?;
+        draw_names(&mut chart, y, (index, group), left, &names)?;
         let of_group = Series::Series {
             name: group.label.clone(),
             runs: marked_runs(group),
@@ -137,6 +136,8 @@ struct Names {
     axis_title: String,
     /// Environments of several groups, whose humidity names them where there is no room for both.
     by_humidity: Vec<String>,
+    /// Where there is no room for these either they are numbers under an axis, of which one of so many is written.
+    every_humidity: Option<usize>,
 }
 
 impl Names {
@@ -154,10 +155,29 @@ impl Names {
             let same = groups.iter().filter(|other| other.label == group.label);
             !group.humidity.is_empty() && same.count() > 1
         };
-        let repeated = groups.iter().filter(is_repeated);
-        let by_humidity = repeated.map(|group| group.label.clone()).collect();
+        let repeated: Vec<&Group> = groups.iter().filter(is_repeated).collect();
+        let mut by_humidity: Vec<String> = repeated.iter().map(|group| group.label.clone()).collect();
+        by_humidity.dedup();
+        let over = |own: &&Group, name: &str| {
+            let characters = name.chars().count() as f64 + 1.0;
+            characters * CHARACTER / ((own.slots.len() as f64 + GAP) * pixels_per_slot)
+        };
+        let is_cut = repeated.iter().any(|own| over(own, in_percent(own)) > 2.0);
+        let numbers = repeated.iter().map(|own| over(own, number(own)));
+        let every_humidity = is_cut.then(|| numbers.fold(1.0, f64::max).ceil() as usize);
+        let fits = |group: &Group| is_cut && by_humidity.contains(&group.label) || fits(group);
+        let humidity = if is_cut {
+            format!("Relative humidity (%) in {}; ", by_humidity.join(", "))
+        } else {
+            String::new()
+        };
+        let voltage = if said {
+            format!("Steps of {} V", all.join(", "))
+        } else {
+            "Step voltage (V)".to_owned()
+        };
         Names {
-            by_humidity,
+            every_humidity,
             pixels_per_slot,
             every,
             slots_per_voltage,
@@ -166,13 +186,24 @@ impl Names {
             } else {
                 1
             },
-            axis_title: if said {
-                format!("Steps of {} V", all.join(", "))
+            axis_title: if is_cut {
+                humidity + &voltage.replace("Step", "step")
             } else {
-                "Step voltage (V)".to_owned()
+                voltage
             },
+            by_humidity,
         }
     }
+}
+
+/// `28–38 %`
+fn in_percent(group: &Group) -> &str {
+    group.humidity.trim_end_matches("RH").trim_end()
+}
+
+/// `28–38`
+fn number(group: &Group) -> &str {
+    in_percent(group).trim_end_matches('%').trim_end()
 }
 
 /// Voltages that an axis title names.
@@ -246,11 +277,17 @@ fn position(y: &Axis, number: f64) -> f64 {
 fn draw_names(
     chart: &mut Chart,
     y: &Axis,
-    group: &Group,
+    (index, group): (usize, &Group),
     left: f64,
     names: &Names,
-    lane: u32,
 ) -> Result<(), String> {
+    let is_repeated = !group.humidity.is_empty() && names.by_humidity.contains(&group.label);
+    let every_humidity = names.every_humidity.filter(|_| is_repeated);
+    let lane = if every_humidity.is_some() {
+        0
+    } else {
+        index as u32 % names.lanes
+    };
     let tick = text_style(Ink::Muted, TICK_SIZE, HPos::Center, VPos::Top);
     for (index, slot) in group.slots.iter().enumerate() {
         let at = left + index as f64;
@@ -264,15 +301,16 @@ fn draw_names(
     let middle = left + 0.5 * (count - 1.0);
     let room = names.lanes as usize * room(group, names.pixels_per_slot);
     let name = text_style(Ink::Text, TICK_SIZE, HPos::Center, VPos::Top);
-    let text = if group.humidity.is_empty() {
-        group.label.clone()
-    } else {
-        format!("{}, {}", group.label, group.humidity)
+    let text = match every_humidity {
+        Some(every) if index % every == 0 => number(group).to_owned(),
+        Some(_) => String::new(),
+        None if group.humidity.is_empty() => group.label.clone(),
+        None => format!("{}, {}", group.label, group.humidity),
     };
-    let short = if !group.humidity.is_empty() && names.by_humidity.contains(&group.label) {
-        group.humidity.trim_end_matches("RH").trim_end().to_owned()
+    let short = if is_repeated {
+        in_percent(group)
     } else {
-        group.label.clone()
+        &group.label
     };
     let rule = [(left - 0.3, y.low), (left + count - 0.7, y.low)];
     let style = ink(group.style).color().stroke_width(20);
@@ -283,7 +321,10 @@ fn draw_names(
         chart,
         (middle, y.low),
         (0, 27 + (lane * LANE) as i32),
-        &shortened(&text, &short, room),
+        &match every_humidity {
+            Some(_) => text,
+            None => shortened(&text, short, room),
+        },
         &name,
     )
 }
@@ -482,6 +523,22 @@ mod tests {
         for tens in 1..=9 {
             assert!(text.contains(&format!(">{tens}0 %</text>")), "{text}");
         }
+    }
+
+    #[test]
+    fn of_many_humidities_numbers_stand_under_an_axis_and_none_is_cut() {
+        let at = |humidity: usize| Group {
+            humidity: format!("{humidity} % RH"),
+            slots: vec![group(vec![]).slots[0].clone(); 2],
+            ..group(vec![])
+        };
+        let y = Axis::linear_rounded(0.0, 1.0, "α", "", 5);
+        let groups: Vec<Group> = (0..24).map(|k| at(20 + 3 * k)).collect();
+        let text = small_comparison(&groups, &y, "t", "d").unwrap();
+        assert!(text.contains("Relative humidity (%) in air"), "{text}");
+        assert!(text.contains(">20</text>") && !text.contains('…'), "{text}");
+        let written = (0..24).filter(|k| text.contains(&format!(">{}</text>", 20 + 3 * k)));
+        assert!((4..24).contains(&written.count()), "{text}");
     }
 
     #[test]

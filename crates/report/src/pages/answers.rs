@@ -1,4 +1,5 @@
-//! What the overview says first, in at most three sentences: what the campaign shows, what the model lacks, what to do next.
+//! What the overview says behind the study, each in a sentence: when a limit is reached, what humidity does to moduli, what the
+//! model lacks, what to do next.
 
 use ieap_domain::words::{counted, in_a_row};
 use std::collections::BTreeMap;
@@ -30,7 +31,7 @@ impl Said {
 
 /// The sentences of a campaign.
 pub fn answers(site: &Site) -> Vec<Said> {
-    let said = [shows(site), lacks(site), next(site)];
+    let said = [shows(site), moduli(site), lacks(site), next(site)];
     said.into_iter().flatten().collect()
 }
 
@@ -40,6 +41,12 @@ fn shows(site: &Site) -> Option<Said> {
     let told = forecasts(&site.input.monitoring, &dates);
     let told = told.into_iter().find(|one| one.is_told)?;
     Some(Said::new(told.sentence(), "monitoring.html", "monitoring"))
+}
+
+/// What humidity does to the moduli.
+fn moduli(site: &Site) -> Option<Said> {
+    let text = ieap_analysis::dma::view::in_short(&site.input.modulus_logs)?;
+    Some(Said::new(text, "dma.html", "modulus logs"))
 }
 
 /// What the model lacks, in one sentence: each cause with its groups, and what one of a single group gains.

@@ -35,6 +35,8 @@ struct Index {
     said: Vec<String>,
     /// What else changed with what was compared; empty where nothing did.
     confounded: String,
+    /// Runs that are not like their own; empty where none is.
+    odd: String,
     /// A law that is told first, drawn.
     blocks: Vec<blocks::Item>,
     /// Else what is told first over the conditions.
@@ -103,6 +105,9 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             Vec::new()
         },
         confounded: study::view::confounded(asked)
+            .filter(|_| is_asked)
+            .unwrap_or_default(),
+        odd: study::odd_in_short(&asked.odd)
             .filter(|_| is_asked)
             .unwrap_or_default(),
         blocks,
