@@ -177,7 +177,7 @@ fn a_chinese_laboratory_with_merged_cells_and_two_makes_of_potentiostats() {
                 format!("{t:.2},{:.5}\r\n", tip_mm(*kappa, LENGTH_MM))
             });
             (
-                format!("{sample}-{:02}.csv", k / 2 + 1),
+                format!("{sample}-{:02}.csv", k + 1),
                 format!("激光位移计\r\n采样开始,{start}\r\n\r\n时间(s),位移(mm)\r\n{rows}"),
             )
         },
@@ -280,8 +280,9 @@ fn a_czech_laboratory_with_decimal_commas() {
         zone: "Europe/Prague",
         encoding: WINDOWS_1250,
         folder: "data",
+        // A word for an atmosphere that is not known stays one.
         strips: &["V1", "V2"],
-        airs: &[("vakuum", "vacuum", 0.0), ("vzduch", "air", 50.0)],
+        airs: &[("vakuum", "vacuum", 0.0), ("vzduch", "vzduch", 50.0)],
         voltages: &[1.5, -1.5, 2.0],
         electrical: "proud",
         ahead_s: 41,

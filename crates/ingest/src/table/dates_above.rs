@@ -30,7 +30,7 @@ pub fn dated<'l>(lines: &[&'l str]) -> Vec<Dated<'l>> {
                 .and_then(|next| in_two(&pieces, &self::pieces(next)))
         };
         if let Some((at, date)) = whole.or_else(below) {
-            let label = text[..pieces[at].0].trim();
+            let label = text[..pieces[at].0].trim_matches(|c: char| c.is_whitespace() || ",;=".contains(c));
             found.push(Dated { line, label, date });
         }
     }

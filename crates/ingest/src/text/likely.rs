@@ -58,11 +58,13 @@ pub fn headed_by_unit(name: &str, unit: &str) -> Option<Header> {
 /// Whether a name that nobody knows says by its unit that it is a time: `Idő (s)`.
 pub fn is_time_by_unit(header: &Header) -> bool {
     let unit = &header.raw_unit;
+    // The unit `min` is no minimum.
+    let name = header.raw_name.split(['(', '[', '{', '/']).next().unwrap_or("");
     let is_stated = header.raw_name.ends_with([')', ']', '}']) || header.raw_name.contains('/');
     header.meaning == Meaning::Other
         && is_stated
         && !unit.is_empty()
-        && role(&header.raw_name) == Role::Measured
+        && role(name) == Role::Measured
         && unit::conversion(Quantity::Time, unit).is_ok()
 }
 

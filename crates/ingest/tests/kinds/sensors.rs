@@ -75,6 +75,7 @@ fn numbers_that_tell_nothing_apart_leave_one_series() {
         let mut text = format!("Time,T (°C),RH (%),{name}\n");
         for k in 0..120 {
             let rh = 45.0 + 5.0 * (f64::from(k) / 20.0).sin() + dice.number(-0.2, 0.2);
+            let t = 21.0 + (f64::from(k) / 30.0).sin() + dice.number(-0.05, 0.05);
             let number = match way {
                 // A state by turns, a battery, a set point in stretches, a counter that begins anew.
                 0 => k % 2,
@@ -83,10 +84,9 @@ fn numbers_that_tell_nothing_apart_leave_one_series() {
                 _ => k % 10,
             };
             text += &format!(
-                "2026-03-19 {:02}:{:02}:00,21.{},{rh:.1},{number}\n",
+                "2026-03-19 {:02}:{:02}:00,{t:.2},{rh:.1},{number}\n",
                 8 + k / 60,
-                k % 60,
-                k % 10
+                k % 60
             );
         }
         let reading = read_text("log.csv", &text).unwrap();
