@@ -109,18 +109,19 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
             "{files} with tags of the name that the pattern does not give: written beside the copy"
         ));
     }
-    for profile in proposed.profiles.iter().filter(|profile| profile.open.is_empty()) {
-        output.result(&format!(
-            "profiles/{}.toml reads {}",
-            profile.id,
-            one_line(&profile.files.join(", "))
-        ));
+    let usable = proposed.profiles.iter().filter(|profile| profile.open.is_empty());
+    first_lines(
+        usable.map(|profile| {
+            let files = one_line(&profile.shown_files());
+            format!("profiles/{}.toml reads {files}", profile.id)
+        }),
+        output,
+    );
+    if !proposed.fill_in.is_empty() {
+        output.result("to fill in:");
     }
-    output.result("to fill in:");
-    proposed
-        .fill_in
-        .iter()
-        .for_each(|open| output.result(&format!("  {}", one_line(open))));
+    let open = proposed.fill_in.iter();
+    first_lines(open.map(|open| format!("  {}", one_line(open))), output);
     let folder = args.folder.display();
     if proposed.written {
         output.message(&format!(
@@ -133,25 +134,67 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
     }
 }
 
-/// Files of one kind of which the same is said, from which on only the first are shown. Chosen: a screen has some forty lines.
-const SHOWN_OF_A_KIND: usize = 3;
+/// Lines of one matter that are shown without `--verbose`. Chosen: more questions than these nobody answers at once.
+const SHOWN_LINES: usize = 7;
+/// Rows of files that are shown without `--verbose`: what else is said fits on a screen of sixty lines with them. Chosen.
+const SHOWN_ROWS: usize = 36;
+/// Files of one kind of which the same is said that are shown, the first of them. Chosen.
+const SHOWN_OF_A_KIND: [usize; 2] = [3, 1];
+
+/// The first lines, and how many more there are.
+fn first_lines(lines: impl Iterator<Item = String>, output: &Output) {
+    let lines: Vec<String> = lines.collect();
+    let shown = if output.is_verbose() || lines.len() == SHOWN_LINES + 1 {
+        lines.len()
+    } else {
+        lines.len().min(SHOWN_LINES)
+    };
+    lines[..shown].iter().for_each(|line| output.result(line));
+    if shown < lines.len() {
+        output.result(&format!("  ... and {} more (--verbose)", lines.len() - shown));
+    }
+}
+
+/// A row of the table of files.
+type Row = [String; 7];
 
 /// Rows, those of files of one kind together: of many alike the first, and how many more there are.
-fn together(rows: Vec<[String; 7]>) -> Vec<[String; 7]> {
-    const FEW: usize = 24;
-    if rows.len() <= FEW {
-        return rows;
+fn together(rows: Vec<Row>) -> Vec<Row> {
+    let (mut shown, mut of_a_kind) = (rows, SHOWN_OF_A_KIND.into_iter());
+    let all = shown.clone();
+    while shown.len() > SHOWN_ROWS {
+        match of_a_kind.next() {
+            Some(most) => shown = first_of_each_kind(&all, most),
+            None => {
+                let more = shown.len() - SHOWN_ROWS;
+                shown.truncate(SHOWN_ROWS);
+                shown.push(remark(format!("... and {more} more lines (--verbose)")));
+                break;
+            }
+        }
     }
+    shown
+}
+
+fn remark(text: String) -> Row {
+    let mut row = Row::default();
+    row[0] = text;
+    row
+}
+
+fn first_of_each_kind(rows: &[Row], most: usize) -> Vec<Row> {
     let without_digits = |text: &str| -> String { text.chars().filter(|c| !c.is_ascii_digit()).collect() };
     // Names of partners differ from file to file, and so do lines and numbers in what is said.
-    let kind = |row: &[String; 7]| {
+    let kind = |row: &Row| {
         let folder = row[0]
             .rsplit_once('/')
             .map_or("", |(folder, _)| folder)
             .to_owned();
-        let said = row[6].split("; ").map(|said| match said.split_once("with ") {
-            Some(("", _)) => "with".to_owned(),
-            _ => without_digits(said),
+        let said = row[6].split("; ").map(|said| {
+            let of_a_name = ["with ", "waits for "]
+                .into_iter()
+                .find(|word| said.starts_with(word));
+            of_a_name.map_or_else(|| without_digits(said), str::to_owned)
         });
         (folder, row[1].clone(), row[2].clone(), said.collect::<Vec<_>>())
     };
@@ -161,17 +204,14 @@ fn together(rows: Vec<[String; 7]>) -> Vec<[String; 7]> {
     let mut met: BTreeMap<_, usize> = BTreeMap::new();
     let mut shown = Vec::new();
     for row in rows {
-        let own = kind(&row);
+        let own = kind(row);
         let count = counts.get(&own).copied().unwrap_or(0);
         let met = met.entry(own).or_insert(0);
         *met += 1;
-        if *met <= SHOWN_OF_A_KIND || count == SHOWN_OF_A_KIND + 1 {
-            shown.push(row);
+        if *met <= most || count == most + 1 {
+            shown.push(row.clone());
         } else if *met == count {
-            let more = format!("... and {} more like it", count - SHOWN_OF_A_KIND);
-            let mut said = std::array::from_fn(|_| String::new());
-            said[0] = more;
-            shown.push(said);
+            shown.push(remark(format!("... and {} more like it", count - most)));
         }
     }
     shown
@@ -217,7 +257,7 @@ fn table(files: &[PlannedFile], lone_halves: &[LoneHalf], output: &Output) {
             told.join("; "),
         ]);
     }
-    let rows = together(rows);
+    let rows = if output.is_verbose() { rows } else { together(rows) };
     // A name of a file may hold anything.
     let rows: Vec<[String; 7]> = rows
         .into_iter()

@@ -245,6 +245,11 @@ impl Output {
         }
     }
 
+    /// Whether `--verbose` was given.
+    pub fn is_verbose(&self) -> bool {
+        self.verbose
+    }
+
     /// A message that only `--verbose` shows.
     pub fn detail(&self, text: &str) {
         if self.verbose {

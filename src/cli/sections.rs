@@ -1,5 +1,6 @@
 //! What `ieap status` lists: sections of names with what is said of them, in which no name is printed twice. A name that belongs
-//! to several sections is printed in the first, with what the later ones say of it; these only count it.
+//! to several sections is printed in the first, with what the later ones say of it; these only count it. What is longer than a
+//! screen is shortened, the longest section first, and says how much it leaves out.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
@@ -8,6 +9,12 @@ use super::output::Output;
 use crate::domain::words::counted;
 use crate::domain::{Issue, Severity};
 use crate::pipeline::infra::mends::{Reasoned, Together, together};
+
+/// Lines that are shown without `--verbose`. Chosen: a screen.
+const MOST_LINES: usize = 40;
+
+/// The sections and entries that each name is in, in order.
+type Mentions<'s> = HashMap<&'s str, Vec<(usize, &'s Entry)>>;
 
 /// Sections in the order of their printing.
 #[derive(Debug, Default)]
@@ -24,7 +31,7 @@ struct Section {
 
 impl Section {
     /// Its heading, with the number of its names that an earlier section has.
-    fn heading_beside(&self, mentions: &HashMap<&str, Vec<(usize, &Entry)>>, at: usize) -> String {
+    fn heading_beside(&self, mentions: &Mentions<'_>, at: usize) -> String {
         let names = self.entries.iter().flat_map(|entry| &entry.names);
         let above: BTreeSet<&String> = names.filter(|name| mentions[name.as_str()][0].0 < at).collect();
         match (above.len(), self.heading.strip_suffix(':')) {
@@ -93,37 +100,89 @@ impl Sections {
         }
     }
 
-    /// Prints them.
+    /// Prints them, of a long list as much as a screen shows; all of it with `--verbose`.
     pub fn print(&self, output: &Output) {
-        self.text().lines().for_each(|line| output.result(line));
+        let most_lines = if output.is_verbose() {
+            usize::MAX
+        } else {
+            MOST_LINES
+        };
+        self.text(most_lines).lines().for_each(|line| output.result(line));
     }
 
-    fn text(&self) -> String {
-        let mut text = String::new();
+    /// Their text in at most so many lines, but that each heading stands.
+    fn text(&self, most_lines: usize) -> String {
         let mentions = self.mentions();
-        for (at, section) in self.list.iter().enumerate() {
-            let _ = writeln!(text, "{}", section.heading_beside(&mentions, at));
-            for entry in &section.entries {
-                let is_first = |name: &&String| std::ptr::eq(mentions[name.as_str()][0].1, entry);
-                let own: Vec<&String> = entry.names.iter().filter(is_first).collect();
-                let lines = || entry.lines.iter().map(|line| format!("      {line}\n"));
-                match own.as_slice() {
-                    [] if entry.names.is_empty() => text.extend(lines()),
-                    [] => {}
-                    [only] => {
-                        let _ = writeln!(text, "  {only}");
-                        text.extend(lines());
-                        self.later(&mentions[only.as_str()], &mut text);
+        let text = |at: usize, names: usize| self.section_text(&mentions, at, names);
+        let mut sections: Vec<(usize, String)> = (0..self.list.len())
+            .map(|at| (self.names_in(at), text(at, usize::MAX)))
+            .collect();
+        let lines = |text: &String| text.lines().count();
+        // One line says how all of it is seen.
+        while sections.iter().map(|(_, text)| lines(text)).sum::<usize>() + 1 > most_lines {
+            let long = (0..sections.len()).filter(|at| sections[*at].0 > 0);
+            let Some(longest) = long.max_by_key(|at| (lines(&sections[*at].1), *at)) else {
+                break;
+            };
+            let names = sections[longest].0 / 2;
+            sections[longest] = (names, text(longest, names));
+        }
+        let is_short = (0..sections.len()).any(|at| sections[at].0 < self.names_in(at));
+        let mut all: String = sections.into_iter().map(|(_, text)| text).collect();
+        if is_short {
+            all.push_str("all of it: the same command with --verbose\n");
+        }
+        all
+    }
+
+    /// Names and sayings without one that a section has.
+    fn names_in(&self, at: usize) -> usize {
+        let entries = self.list[at].entries.iter();
+        entries.map(|entry| entry.names.len().max(1)).sum()
+    }
+
+    /// The text of a section with so many of its names.
+    fn section_text(&self, mentions: &Mentions<'_>, at: usize, mut left: usize) -> String {
+        let section = &self.list[at];
+        let mut text = section.heading_beside(mentions, at) + "\n";
+        let mut hidden = 0;
+        for entry in &section.entries {
+            let is_first = |name: &&String| std::ptr::eq(mentions[name.as_str()][0].1, entry);
+            let own: Vec<&String> = entry.names.iter().filter(is_first).collect();
+            if own.is_empty() && !entry.names.is_empty() {
+                continue;
+            }
+            let shown = own.len().min(left);
+            hidden += own.len() - shown;
+            let is_told = left > 0;
+            left = left.saturating_sub(own.len().max(1));
+            if !is_told {
+                hidden += usize::from(own.is_empty());
+                continue;
+            }
+            let lines = entry.lines.iter().map(|line| format!("      {line}\n"));
+            match own.as_slice() {
+                [] => text.extend(lines),
+                [only] => {
+                    let _ = writeln!(text, "  {only}");
+                    text.extend(lines);
+                    self.later(&mentions[only.as_str()], &mut text);
+                }
+                several => {
+                    for name in &several[..shown] {
+                        let _ = writeln!(text, "  {name}");
+                        self.later(&mentions[name.as_str()], &mut text);
                     }
-                    several => {
-                        for name in several {
-                            let _ = writeln!(text, "  {name}");
-                            self.later(&mentions[name.as_str()], &mut text);
-                        }
-                        text.extend(lines());
+                    if shown < several.len() {
+                        let _ = writeln!(text, "  ... and {} more", several.len() - shown);
+                        hidden -= several.len() - shown;
                     }
+                    text.extend(lines);
                 }
             }
+        }
+        if hidden > 0 {
+            let _ = writeln!(text, "  ... and {hidden} more");
         }
         text
     }
@@ -143,8 +202,8 @@ impl Sections {
     }
 
     /// The sections and entries that each name is in, in order.
-    fn mentions(&self) -> HashMap<&str, Vec<(usize, &Entry)>> {
-        let mut found: HashMap<&str, Vec<(usize, &Entry)>> = HashMap::new();
+    fn mentions(&self) -> Mentions<'_> {
+        let mut found = Mentions::new();
         for (at, section) in self.list.iter().enumerate() {
             for entry in &section.entries {
                 for name in &entry.names {
@@ -196,11 +255,39 @@ mod tests {
         );
         sections.list("run", "not covered", &["x1".to_owned(), "z3".to_owned()]);
         assert_eq!(
-            sections.text(),
+            sections.text(usize::MAX),
             "2 runs without tags:\n  x1\n      also among 2 runs not covered\n  y2\n      also among 2 runs without a response\n      \
              no current\n      -> mend it\n      no sample\n      -> mend it\n2 runs without a response (1 named above):\n  z3\n      \
              no time\n      -> mend it\n      also among 2 runs not covered\n2 runs not covered (2 named above):\n"
         );
+    }
+
+    #[test]
+    fn what_is_longer_than_a_screen_is_shortened_and_says_so() {
+        let mut sections = Sections::default();
+        let runs: Vec<String> = (0..300).map(|k| format!("runs/{k:03}.csv")).collect();
+        let each: Vec<Reasoned> = runs
+            .iter()
+            .map(|run| named(run, &format!("waits for {run}.txt")))
+            .collect();
+        sections.section("run", "alone", &each);
+        sections.list("file", "gone", &["z".to_owned()]);
+        sections.list("run", "not covered", &runs);
+        let others: Vec<String> = (0..50).map(|k| format!("condition {k}")).collect();
+        sections.list("condition", "without a run", &others);
+        let text = sections.text(MOST_LINES);
+        assert!((30..=MOST_LINES).contains(&text.lines().count()), "{text}");
+        for said in [
+            "300 runs alone:\n  runs/000.csv\n",
+            "  z\n",
+            "300 runs not covered",
+            "50 conditions",
+            " more\n",
+            "--verbose\n",
+        ] {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+        assert!(sections.text(usize::MAX).lines().count() > 600);
     }
 
     #[test]
@@ -211,7 +298,7 @@ mod tests {
             ("a", vec![Issue::warning("code", "foo")]),
             ("a", vec![Issue::warning("code", "bar")]),
         ]));
-        let text = sections.text();
+        let text = sections.text(usize::MAX);
         assert_eq!(text.matches("  a\n").count(), 1, "{text}");
         assert!(text.contains("foo") && text.contains("bar"), "{text}");
     }

@@ -16,6 +16,7 @@ use super::ingest;
 use super::output::Output;
 use super::sections::Sections;
 use crate::domain::file_story::FileStory;
+use crate::domain::pairs::HalfKind;
 use crate::domain::{Alarm, Fault, Issue};
 use crate::pipeline::TakenBack;
 use crate::pipeline::documents::diagnosis::group_title;
@@ -256,18 +257,24 @@ fn halves(status: &Status, told: &mut Sections) {
             "{runs} in two files (`ieap status --files` shows the pairs)"
         ));
     }
-    let lone: Vec<Reasoned> = status
-        .lone_halves
-        .iter()
-        .map(|half| Reasoned {
-            path: half.path.clone(),
-            issues: vec![Issue {
-                place: String::new(),
-                ..lone(half)
-            }],
-        })
-        .collect();
-    told.section("file", "with half of a run alone", &lone);
+    if status.lone_halves.is_empty() {
+        return;
+    }
+    let files = counted(status.lone_halves.len(), "file");
+    told.say(&format!("{files} with half of a run alone:"));
+    for kind in [HalfKind::Electrical, HalfKind::Bending] {
+        let of_kind = status.lone_halves.iter().filter(|half| half.holds == kind);
+        let names: Vec<String> = of_kind.clone().map(|half| half.path.clone()).collect();
+        if let Some(first) = of_kind.into_iter().next() {
+            // One answer settles all of them.
+            let issue = lone(first);
+            let message = match names.len() {
+                1 => issue.message,
+                _ => format!("of the first: {}", issue.message),
+            };
+            told.entry(names, vec![message, format!("-> {}", issue.mend)]);
+        }
+    }
 }
 
 /// Words that may be lost since a rebuilding, and words that hold of nothing.

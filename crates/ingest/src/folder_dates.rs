@@ -8,6 +8,7 @@ use crate::formats::stamp;
 use crate::text::decode;
 use ieap_domain::DateOrder;
 use ieap_system::fs;
+use jiff::ToSpan;
 
 /// Most files of a folder that are looked at.
 const MOST_FILES: usize = 200;
@@ -41,6 +42,21 @@ pub fn order_beside(file: &Path, date: &str) -> Option<DateOrder> {
         }
     }
     order_of(&found)
+}
+
+/// The one order in which a date is not after the file that holds it was written, as its system says; none where several are not.
+pub fn order_not_after(file: &Path, date: &str) -> Option<DateOrder> {
+    let written = fs::metadata(file).ok()?.modified().ok()?;
+    let written = jiff::Timestamp::try_from(written).ok()?;
+    // Clocks of other zones are up to a day off.
+    let latest = written
+        .to_zoned(jiff::tz::TimeZone::UTC)
+        .datetime()
+        .checked_add(1.day())
+        .ok()?;
+    let is_before = |order: &DateOrder| stamp::civil(date, *order).is_some_and(|moment| moment <= latest);
+    let mut orders = DateOrder::ALL.into_iter().filter(is_before);
+    orders.next().filter(|_| orders.next().is_none())
 }
 
 fn is_mark(c: char) -> bool {
@@ -126,6 +142,22 @@ mod tests {
         ] {
             assert_eq!(order_of(&dates(text, '/')), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn a_date_after_its_file_was_written_is_in_another_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.csv");
+        std::fs::write(&file, "03/11/2026 10:00").unwrap();
+        let written: jiff::Timestamp = "2026-03-11T12:00:00Z".parse().unwrap();
+        let opened = std::fs::File::options().write(true).open(&file).unwrap();
+        opened.set_modified(written.into()).unwrap();
+        assert_eq!(
+            order_not_after(&file, "03/11/2026 10:00"),
+            Some(DateOrder::MonthFirst)
+        );
+        assert_eq!(order_not_after(&file, "03/02/2026 10:00"), None);
+        assert_eq!(order_not_after(&file, "05/11/2026 10:00"), None);
     }
 
     #[test]

@@ -7,10 +7,13 @@
 mod clocks;
 mod half;
 mod names;
+mod policy;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
+
+use policy::TOGETHER;
 
 use crate::name_pattern::{KnownIds, NameMatch, NamePattern, NoSurroundings};
 pub use half::Half;
@@ -224,9 +227,6 @@ fn by_rows(halves: &[Half], open: &Open, rows: &[(String, String)]) -> Vec<(usiz
     };
     rows.iter().filter_map(pair).collect()
 }
-
-/// Part of the shorter record for which two must run together to be one.
-const TOGETHER: f64 = 0.5;
 
 /// Pairs of halves that run together, where neither runs together with another one and their names do not contradict.
 fn by_times(halves: &[Half], open: &Open, none: &NoSurroundings) -> Vec<(usize, usize)> {

@@ -58,8 +58,9 @@ fn sorted(sheets: &RunSheets, runs: &[RunRecord]) -> Planned {
     };
     for sheet in &sheets.sheets {
         let run_of = |row: &SheetRow| made.get(row.planned.as_str()).copied();
-        let last_made = sheet.rows.iter().rposition(|row| run_of(row).is_some());
-        for (at, row) in sheet.rows.iter().enumerate() {
+        let rows = run_sheet::runs_of(&sheet.rows);
+        let last_made = rows.iter().rposition(|row| run_of(row).is_some());
+        for (at, row) in rows.into_iter().enumerate() {
             let run = run_of(row);
             let passed_over = run.is_none() && last_made.is_some_and(|last| at < last);
             let list = match run {

@@ -210,7 +210,7 @@ pub fn inspect_bytes(file: &Path, bytes: &[u8], profiles: &[Profile], context: &
 /// A run sheet: what it plans is tags, not readings.
 fn sheet(file: String, bytes: &[u8]) -> Inspection {
     let (status, issue) = match run_sheet::read(bytes) {
-        Ok(rows) => ("sidecar", run_sheet::note(bytes, rows.len())),
+        Ok(rows) => ("sidecar", run_sheet::note(bytes, &rows)),
         Err(issue) => ("refused", issue),
     };
     not_read(file, &[], status, issue)

@@ -5,6 +5,7 @@ mod chinese;
 mod estonian;
 mod french;
 mod japanese;
+mod own_clocks;
 mod truth;
 
 use std::cell::RefCell;

@@ -83,7 +83,7 @@ impl Format for Chi {
         }
         Ok(Reading {
             technique: technique.map(str::to_owned),
-            is_step_response: holds,
+            is_step_response: holds || technique.is_some_and(|technique| steps_potential(technique, &raw)),
             encoding: Some(decoded.encoding),
             status,
             status_evidence: match status {
@@ -113,6 +113,12 @@ fn holds_potential(technique: &str) -> bool {
         technique,
         "Amperometric i-t Curve" | "Bulk Electrolysis with Coulometry"
     )
+}
+
+/// Techniques that step the potential, where its readings say when.
+fn steps_potential(technique: &str, raw: &Raw) -> bool {
+    let is_voltage = |header: &Header| header.meaning.quantity() == Some(Quantity::Voltage);
+    matches!(technique, "Chronoamperometry" | "Multi-Potential Steps") && raw.headers.iter().any(is_voltage)
 }
 
 /// The columns of a line `Time/sec, Current/A`: two and more names, each with a unit behind a slash.

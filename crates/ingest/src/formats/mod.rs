@@ -27,7 +27,6 @@ pub mod no_reading;
 pub mod overload;
 pub mod palmsens;
 pub mod parquet;
-mod percent_cells;
 pub mod plain_table;
 pub mod plausible;
 pub(crate) mod policy;

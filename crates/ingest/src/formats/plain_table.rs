@@ -102,7 +102,7 @@ pub fn runs(
     }
     let names_at = tables[0].layout.shape.names_at;
     let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
-    let mut started_at = start::stated(head, context.date_order);
+    let mut started_at = start::answered(start::stated(head, context.date_order), &context.answers);
     let several = tables.len() > 1;
     let mut found = Vec::new();
     for (index, mut table) in tables.into_iter().enumerate() {
@@ -163,7 +163,7 @@ fn side_by_side(
     let names_at = blocks[0].1.first().map_or(0, |names| names.number);
     let names_at = lines.iter().position(|line| line.number == names_at);
     let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
-    let mut started_at = start::stated(head, context.date_order);
+    let mut started_at = start::answered(start::stated(head, context.date_order), &context.answers);
     let mut found = Vec::new();
     let message = format!(
         "the same names stand {} times side by side: each block of columns is a run",

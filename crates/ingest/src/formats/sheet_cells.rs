@@ -4,13 +4,14 @@
 //! stranger wrote into it costs time and memory in proportion to the file.
 
 use crate::text::{Cell, Decimal, number};
+use std::collections::BTreeSet;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
+use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Style, Xls, Xlsx};
 
 use super::error::{ReadError, escaped};
-use super::{compound, percent_cells, unpacking, workbook_parts, xls_extent};
+use super::{compound, unpacking, workbook_parts, xls_extent};
 
 /// Most cells that are read from one workbook.
 const MAX_CELLS: u64 = 10_000_000;
@@ -212,14 +213,12 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
     let mut book = open_xlsx(bytes, limit)?;
     let mut sheets = Vec::new();
     let mut budget = Budget::of(limit);
-    let in_percent = percent_cells::of_workbook(bytes, limit);
     for name in book.sheet_names() {
-        let shown = in_percent.iter().find(|(sheet, _)| *sheet == name);
-        let is_in_percent = |place: &Place| shown.is_some_and(|(_, places)| places.contains(place));
         // Chart sheets and the like have no cells to read.
         let Ok(mut reader) = book.worksheet_cells_reader(&name) else {
             continue;
         };
+        let shows_percent: Vec<bool> = reader.styles().iter().map(shows_percent).collect();
         let mut rows = Vec::new();
         // Cells with a formula and no value, in the order of the sheet.
         let mut uncomputed = Vec::new();
@@ -227,12 +226,7 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
             .next_cell_with_formula_metadata()
             .map_err(|error| broken("spreadsheet (.xlsx)", &error))?
         {
-            let content = match from_ref(&cell.value) {
-                Some(SheetCell::Number(number)) if is_in_percent(&cell.pos) => {
-                    Some(SheetCell::Number(as_shown(number)))
-                }
-                content => content,
-            };
+            let content = from_ref(&cell.value);
             budget.take(&name, cell.pos, content.as_ref())?;
             let (row, column) = cell.pos;
             match content {
@@ -242,6 +236,9 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
             }
         }
         drop(reader);
+        if shows_percent.contains(&true) {
+            as_shown(&mut book, &name, &shows_percent, &mut rows);
+        }
         let mut sheet = finish(name, rows);
         sheet.formulas_without_value = first_uncomputed(uncomputed);
         sheets.push(sheet);
@@ -249,10 +246,40 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
     Ok(sheets)
 }
 
-/// A number in percent as its author sees it: 0.45 as 45.
-fn as_shown(number: f64) -> f64 {
-    // 0.07 of a binary number is 7.000000000000001 %.
-    (number * 100.0 * 1e10).round() / 1e10
+/// Whether a style of cells shows percent: 0.45 stands there, and the author sees 45.0 %.
+fn shows_percent(style: &Style) -> bool {
+    let format = style.number_format.as_ref();
+    // What stands in quotes is shown as it is.
+    format.is_some_and(|format| {
+        format
+            .format_code
+            .split('"')
+            .step_by(2)
+            .any(|part| part.contains('%'))
+    })
+}
+
+/// Makes numbers that are shown in percent what their author sees.
+fn as_shown(book: &mut Xlsx<Counted<'_>>, name: &str, shows_percent: &[bool], rows: &mut [SheetRow]) {
+    let mut places = BTreeSet::new();
+    let Ok(mut reader) = book.worksheet_cells_reader(name) else {
+        return;
+    };
+    while let Ok(Some((row, column, style))) = reader.next_style_id() {
+        if shows_percent[style] {
+            places.insert((row.saturating_add(1), column));
+        }
+    }
+    for row in rows {
+        for (column, cell) in &mut row.cells {
+            if let SheetCell::Number(number) = cell
+                && places.contains(&(row.number, *column))
+            {
+                // 0.07 of a binary number is 7.000000000000001 %.
+                *number = (*number * 100.0 * 1e10).round() / 1e10;
+            }
+        }
+    }
 }
 
 /// Formulas whose cells hold no value, their number and the first: programs that write workbooks leave the computing to the

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::sheet_writer::Xml::{Date, None as Gap, Number, Text};
+use super::sheet_writer::Xml::{Date, None as Gap, Number, Percent, Text};
 use super::sheet_writer::{Xml, sheet, workbook};
 use super::{ReadContext, ReadError, read};
 use crate::Reading;
@@ -52,6 +52,44 @@ fn gaps_and_lone_texts_are_no_numbers() {
         .find(|issue| issue.code == "text-in-number-column")
         .unwrap();
     assert_eq!(text.place, "line 7, column 2");
+}
+
+#[test]
+fn numbers_shown_in_percent_are_what_their_author_sees() {
+    let rows: Vec<[Xml<'_>; 3]> = (0..5)
+        .map(|k| {
+            [
+                Date(46100.0 + f64::from(k) / 24.0),
+                Number(21.5),
+                Percent(0.07 + f64::from(k) / 100.0),
+            ]
+        })
+        .collect();
+    let head = [Text("Time"), Text("T (°C)"), Text("RH (%)")];
+    let rows: Vec<&[Xml<'_>]> = std::iter::once(&head[..])
+        .chain(rows.iter().map(|row| &row[..]))
+        .collect();
+    let xml = sheet(&rows);
+    let humidity = |xml: String| {
+        let reading = read("log.xlsx", &workbook(&[xml]), &ReadContext::default()).unwrap();
+        let channels = &reading.tables[0].channels;
+        channels
+            .iter()
+            .find(|c| c.quantity == Quantity::RelativeHumidity)
+            .unwrap()
+            .values
+            .to_vec()
+    };
+    assert_eq!(humidity(xml.clone()), [7.0, 8.0, 9.0, 10.0, 11.0]);
+    // What stands in quotes is shown as it is, and says nothing of the number.
+    assert_eq!(
+        humidity(
+            xml.replace(r#"s="3"><v>0.0"#, r#"s="4"><v>0.0"#)
+                .replace(r#"s="3"><v>0.1"#, r#"s="4"><v>0.1"#)
+                .replace("<v>0.", "<v>4.")
+        )[0],
+        4.07
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
-use Xml::{Date, Duration, Formula, None as Gap, Number, Text};
+use Xml::{Date, Duration, Formula, None as Gap, Number, Percent, Text};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -18,6 +18,8 @@ pub enum Xml<'a> {
     Date(f64),
     /// A duration shown as `[hh]:mm:ss`, days.
     Duration(f64),
+    /// A number shown as `0.0%`.
+    Percent(f64),
     /// A formula that no program has computed.
     Formula(&'a str),
     /// No cell.
@@ -37,6 +39,7 @@ pub fn sheet(rows: &[&[Xml<'_>]]) -> String {
                 Number(number) => write!(xml, r#"<c r="{place}"><v>{number}</v></c>"#),
                 Date(days) => write!(xml, r#"<c r="{place}" s="1"><v>{days}</v></c>"#),
                 Duration(days) => write!(xml, r#"<c r="{place}" s="2"><v>{days}</v></c>"#),
+                Percent(number) => write!(xml, r#"<c r="{place}" s="3"><v>{number}</v></c>"#),
                 Formula(text) => write!(xml, r#"<c r="{place}"><f>{text}</f><v/></c>"#),
                 Gap => Ok(()),
             };
@@ -66,7 +69,7 @@ pub fn merged_workbook(sheets: &[String], merged: &str) -> Vec<u8> {
         );
     }
     let styles = format!(
-        r#"<styleSheet xmlns="{MAIN}"><numFmts count="1"><numFmt numFmtId="164" formatCode="[hh]:mm:ss"/></numFmts><cellXfs><xf numFmtId="0"/><xf numFmtId="14"/><xf numFmtId="164"/></cellXfs></styleSheet>"#
+        r#"<styleSheet xmlns="{MAIN}"><numFmts count="3"><numFmt numFmtId="164" formatCode="[hh]:mm:ss"/><numFmt numFmtId="165" formatCode="0.0%"/><numFmt numFmtId="166" formatCode="0.0&quot; %&quot;"/></numFmts><cellXfs><xf numFmtId="0"/><xf numFmtId="14"/><xf numFmtId="164"/><xf numFmtId="165"/><xf numFmtId="166"/></cellXfs></styleSheet>"#
     );
     let mut members = vec![
         ("[Content_Types].xml".to_owned(), "<Types/>".to_owned()),

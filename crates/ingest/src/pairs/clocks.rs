@@ -2,15 +2,7 @@
 //! with a current and files with a bending begin, or end, together.
 
 use super::half::Half;
-
-/// By how much a hand that starts two instruments scatters, s. Chosen.
-const SCATTER_S: f64 = 12.0;
-/// By how much the clocks of two instruments may differ, s. Chosen: a clock that nobody set is minutes off.
-const MOST_APART_S: f64 = 1800.0;
-/// Fewest pairs that show how far two clocks are apart. Chosen.
-const FEWEST: usize = 3;
-/// By how many pairs one difference must be better than any other, beyond what chance pairs. Chosen: e^3 to one.
-const BETTER_BY: f64 = 3.0;
+use super::policy::{BETTER_BY, FEWEST, MOST_APART_S, SCATTER_S};
 
 /// What the clocks of a folder say.
 pub(super) struct Clocks {

@@ -3,7 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use super::policy::{DELIMITERS, LARGEST_BYTES, SAID, WITH};
+use super::policy::{
+    DELIMITERS, FEWEST_CELLS, LARGEST_BYTES, MOST_COLUMNS, MOST_ROWS, MOST_TITLES, MOSTLY, SAID, WITH,
+};
 use crate::formats::sheet_cells::{self, Place, SheetCell};
 use crate::formats::unpacking;
 use crate::name_pattern::number_of_name;
@@ -16,12 +18,6 @@ use ieap_domain::safe_text::from_csv_text;
 use ieap_domain::surroundings::id_of_word;
 use ieap_domain::tag::keys;
 use ieap_domain::unit;
-
-/// Rows above the names that are looked through.
-const MOST_TITLES: usize = 30;
-/// Rows and columns beyond which nothing is looked for.
-const MOST_ROWS: usize = 10_000;
-const MOST_COLUMNS: usize = 256;
 
 /// A sheet of a laboratory as the text of a run sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,12 +46,6 @@ impl Column {
         }
     }
 }
-
-/// Share of the cells of a column that must be of one kind, and fewest of them, before they say what the column states whatever its
-/// name is. Chosen.
-const MOSTLY: f64 = 0.8;
-/// See [`MOSTLY`].
-const FEWEST_CELLS: usize = 2;
 
 fn column(name: &str) -> Option<Column> {
     if let Some(key) = sheet_column(name) {
@@ -103,11 +93,16 @@ pub(super) fn may_be_workbook(name: &str) -> bool {
 /// The sheet that a workbook or a text of a laboratory holds; none where it is something else, or a run sheet as the
 /// program writes it.
 pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
+    grids_of(bytes)?.iter().find_map(|grid| of_grid(grid))
+}
+
+/// The cells of each tab of a workbook, or of a text; none of one that is too large or damaged.
+pub(super) fn grids_of(bytes: &[u8]) -> Option<Vec<Vec<Vec<String>>>> {
     if bytes.len() as u64 > LARGEST_BYTES {
         return None;
     }
     let is_workbook = bytes.starts_with(b"PK") || bytes.starts_with(&[0xD0, 0xCF, 0x11, 0xE0]);
-    let grids = if is_workbook {
+    Some(if is_workbook {
         let merged = sheet_cells::merged(bytes, unpacking::MOST);
         let of = |(at, sheet)| grid(sheet, merged.get(at).map_or(&[], Vec::as_slice));
         sheet_cells::read(bytes, unpacking::MOST)
@@ -118,8 +113,7 @@ pub(super) fn rewritten(bytes: &[u8]) -> Option<Rewritten> {
             .collect()
     } else {
         grids(bytes)
-    };
-    grids.iter().find_map(|grid| of_grid(grid))
+    })
 }
 
 /// The cells of a text under each delimiter that its first line may have.
@@ -175,19 +169,19 @@ fn grid(sheet: &sheet_cells::Sheet, merged: &[(Place, Place)]) -> Vec<Vec<String
 }
 
 /// The table of a sheet: its names, which may stand in two rows of which the upper one heads several of the lower, and its rows.
-struct Laid<'g> {
-    names: Vec<Name>,
-    rows: &'g [Vec<String>],
+pub(super) struct Laid<'g> {
+    pub names: Vec<Name>,
+    pub rows: &'g [Vec<String>],
 }
 
 /// The name of a column, and what stands above it.
-struct Name {
+pub(super) struct Name {
     above: String,
     own: String,
 }
 
 impl Name {
-    fn shown(&self) -> String {
+    pub fn shown(&self) -> String {
         format!("{} {}", self.above, self.own).trim().to_owned()
     }
 
@@ -199,7 +193,7 @@ impl Name {
 }
 
 /// The rows of a sheet below names that begin at a row, in one row or in two.
-fn laid(grid: &[Vec<String>], at: usize) -> Vec<Laid<'_>> {
+pub(super) fn laid(grid: &[Vec<String>], at: usize) -> Vec<Laid<'_>> {
     let cell = |row: usize, column: usize| {
         grid.get(row)
             .and_then(|row| row.get(column))
@@ -262,9 +256,17 @@ impl Laid<'_> {
     /// What each column states: by its name, else by what its cells are; of two that state one thing the plainer counts.
     fn columns(&self) -> Vec<Option<Column>> {
         let mut columns: Vec<Option<Column>> = self.names.iter().map(Name::column).collect();
+        let filled = self
+            .rows
+            .iter()
+            .filter(|row| row.iter().any(|cell| !cell.trim().is_empty()));
+        let filled = filled.count();
         for (at, column) in columns.iter_mut().enumerate() {
             let names_files = matches!(column, Some(Column::Text("file")));
-            if !names_files && self.mostly(at, is_file) {
+            if names_files && 2 * self.cells(at).count() < filled {
+                // `End Of File` is an event of a logger.
+                *column = None;
+            } else if !names_files && self.mostly(at, is_file) {
                 *column = Some(Column::Text("file"));
             }
         }

@@ -8,6 +8,7 @@
 mod laboratory;
 mod policy;
 mod read;
+mod sizes;
 #[cfg(test)]
 mod tests;
 
@@ -27,6 +28,7 @@ use ieap_system::fs;
 
 use policy::LARGEST_BYTES;
 pub use read::{COLUMNS, read};
+pub use sizes::{SampleSize, sizes_of};
 
 /// Bytes at the start of a file in which the names of its columns are looked for.
 const HEAD_BYTES: usize = 4096;
@@ -116,6 +118,14 @@ impl DamagedSheet {
 pub fn pairs_of<'r>(rows: impl IntoIterator<Item = &'r SheetRow>) -> Vec<(String, String)> {
     let rows = rows.into_iter().filter(|row| !row.said(policy::WITH).is_empty());
     rows.map(|row| (row.file.clone(), row.said(policy::WITH).to_owned()))
+        .collect()
+}
+
+/// The rows of runs: a run in two files is one.
+pub fn runs_of(rows: &[SheetRow]) -> Vec<&SheetRow> {
+    let partners: BTreeSet<&str> = rows.iter().map(|row| row.said(policy::WITH)).collect();
+    rows.iter()
+        .filter(|row| !partners.contains(row.file.as_str()))
         .collect()
 }
 
@@ -264,10 +274,10 @@ fn starts_as_one(campaign: &Path, being_read: &BeingRead, file: &SeenFile, name:
 }
 
 /// The note that a file is a sheet, with what of it is not used.
-pub fn note(bytes: &[u8], rows: usize) -> Issue {
+pub fn note(bytes: &[u8], rows: &[SheetRow]) -> Issue {
     let mut message = format!(
         "a run sheet of {}: it tags files of these names and is no run itself",
-        counted(rows, "planned run")
+        counted(runs_of(rows).len(), "planned run")
     );
     if let Some(own) = laboratory::rewritten(bytes) {
         if !own.unused.is_empty() {

@@ -171,6 +171,45 @@ fn a_workbook_of_a_laboratory_with_titles_and_merged_cells_is_a_run_sheet() {
 }
 
 #[test]
+fn sizes_of_strips_stand_in_a_tab_of_their_own() {
+    use Xml::{None as Gap, Number, Text};
+    let runs = sheet(&[
+        &[Text("样品"), Text("数据文件"), Gap, Text("电压 (V)")],
+        &[Gap, Text("电流"), Text("位移"), Gap],
+        &[Text("N1"), Text("a.txt"), Text("N1-01.csv"), Number(2.0)],
+        &[Text("N2"), Text("b.txt"), Text("N2-01.csv"), Number(1.0)],
+    ]);
+    let sizes = sheet(&[
+        &[Text("样品尺寸表"), Gap, Gap, Gap],
+        &[
+            Text("样品"),
+            Text("自由长度 (cm)"),
+            Text("宽度 (mm)"),
+            Text("厚度 (µm)"),
+        ],
+        &[Text("N1"), Number(1.25), Number(2.0), Number(180.0)],
+        &[Text("N2"), Text("1.3 cm"), Gap, Gap],
+    ]);
+    let bytes = merged_workbook(&[runs, sizes], "B1:C1");
+    assert!(is_sheet("实验记录.xlsx", &bytes));
+    let found = sizes_of(&bytes);
+    let shown: Vec<String> = found
+        .iter()
+        .map(|size| format!("{} {:?}", size.sample, size.sizes_mm))
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            r#"N1 [("length_mm", 12.5), ("width_mm", 2.0), ("thickness_mm", 0.18)]"#,
+            r#"N2 [("length_mm", 13.0)]"#
+        ]
+    );
+    // Of two lengths nobody says which is the free one.
+    let text = "sample;length (mm);free length (mm);width (mm)\nS1;12;10;2\n";
+    assert_eq!(sizes_of(text.as_bytes())[0].sizes_mm, [("width_mm", 2.0)]);
+}
+
+#[test]
 fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
     let text = "Datei;Probe;Umgebung;%rF;U [V]\r\na_2.5V;S1;Luft;35,5;2,5\r\n";
     assert!(is_sheet("Messplan.csv", text.as_bytes()));

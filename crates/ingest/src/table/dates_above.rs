@@ -30,7 +30,7 @@ pub fn dated<'l>(lines: &[&'l str]) -> Vec<Dated<'l>> {
                 .and_then(|next| in_two(&pieces, &self::pieces(next)))
         };
         if let Some((at, date)) = whole.or_else(below) {
-            let label = text[..pieces[at].0].trim();
+            let label = text[..pieces[at].0].trim_matches(|c: char| c.is_whitespace() || ",;=".contains(c));
             found.push(Dated { line, label, date });
         }
     }
@@ -71,7 +71,12 @@ fn whole(pieces: &[(usize, &str)]) -> Option<(usize, String)> {
     if pieces.len() > 64 {
         return None;
     }
-    (0..pieces.len()).find_map(|at| {
+    // `일시:` before a date is a word, though days and hours are written with its letters.
+    let begins = |at: &usize| {
+        let piece = pieces[*at].1;
+        piece.is_ascii() || piece.contains(|c: char| c.is_ascii_digit())
+    };
+    (0..pieces.len()).filter(begins).find_map(|at| {
         let most = (at + MOST_PIECES).min(pieces.len());
         (at + 1..=most).rev().find_map(|end| {
             let words: Vec<&str> = pieces[at..end].iter().map(|(_, piece)| *piece).collect();
@@ -117,6 +122,7 @@ mod tests {
                 &["開始2026年6月3日 10時21分05秒"],
                 Some("2026年6月3日 10時21分05秒"),
             ),
+            (&["측정 일시: 2026-04-07 15:45:54"], Some("2026-04-07 15:45:54")),
             (
                 &["Datum\t2026-06-03\tUhrzeit\t10:21:05"],
                 Some("2026-06-03 10:21:05"),

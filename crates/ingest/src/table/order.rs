@@ -21,6 +21,18 @@ fn bare_date(date: &str) -> &str {
     with_offset(date).map_or(date, |(bare, _)| bare)
 }
 
+/// The order that the name of a column states: `Time(dd/mm/yyyy)`, `Datum [TT.MM.JJJJ]`.
+pub fn in_name(name: &str) -> Option<DateOrder> {
+    let lower = name.to_lowercase().replace(['.', '-', ' '], "/");
+    let says = |parts: [&str; 4]| parts.iter().any(|part| lower.contains(part));
+    match () {
+        () if says(["mm/dd/y", "m/d/y", "mm/tt/j", "mm/jj/a"]) => Some(DateOrder::MonthFirst),
+        () if says(["dd/mm/y", "d/m/y", "tt/mm/j", "jj/mm/a"]) => Some(DateOrder::DayFirst),
+        () if says(["yy/mm/d", "y/m/d", "jj/mm/t", "aa/mm/j"]) => Some(DateOrder::YearFirst),
+        () => None,
+    }
+}
+
 /// Of several orders the one that somebody states; else day first, where dots stand between the numbers and the year is the last.
 pub fn taken(
     first: &str,
@@ -44,4 +56,23 @@ pub fn taken(
         && (!orders.contains(&DateOrder::YearFirst)
             || (is_recent(DateOrder::DayFirst) && !is_recent(DateOrder::YearFirst)));
     is_day_first.then_some((DateOrder::DayFirst, ", as dates with dots are written"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_name_of_a_column_may_state_the_order() {
+        for (name, order) in [
+            ("Time(dd/mm/yyyy)", Some(DateOrder::DayFirst)),
+            ("Date MM-DD-YY hh:mm", Some(DateOrder::MonthFirst)),
+            ("Datum [TT.MM.JJJJ]", Some(DateOrder::DayFirst)),
+            ("timestamp (yyyy-mm-dd)", Some(DateOrder::YearFirst)),
+            ("yy.mm.dd", Some(DateOrder::YearFirst)),
+            ("Date", None),
+        ] {
+            assert_eq!(in_name(name), order, "{name}");
+        }
+    }
 }

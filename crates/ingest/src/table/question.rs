@@ -52,13 +52,14 @@ impl Question {
 }
 
 /// The keys of questions with the answers that each takes; none where any word may be one.
-pub const KEYS: [(&str, &[&str]); 6] = [
+pub const KEYS: [(&str, &[&str]); 7] = [
     ("clock", &["mm:ss", "hh:mm"]),
     ("decimal", &["point", "comma"]),
     ("thousands", &["none", "comma", "point", "apostrophe", "blank"]),
     ("elapsed", &["s", "ms", "us", "min", "h", "d"]),
     ("humidity", &["percent", "fraction"]),
     ("temperature", &["°C", "°F", "K"]),
+    ("start", &["start", "end", "none"]),
 ];
 
 /// What people answered.

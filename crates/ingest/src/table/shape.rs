@@ -9,6 +9,7 @@ use crate::formats::climate::meaning::climate_column;
 use crate::table::policy::MOST_COLUMNS;
 use crate::text::grid::{is_blank, is_comment};
 use crate::text::header::{Header, Meaning};
+use crate::text::likely::is_time_by_unit;
 use crate::text::names::names_dew_point;
 use crate::text::number::unquote;
 use crate::text::policy::{HEADER_WITHIN_LINES, OBEYING_SHARE};
@@ -347,13 +348,17 @@ fn readings_of(
         lower if name.is_empty() => lower.to_owned(),
         lower => format!("{name} {lower}"),
     };
+    // A line that states a moment is none of names, however many cells it has.
+    let states_a_moment = names
+        .iter()
+        .any(|name| matches!(kind(name), Kind::Moment | Kind::Date | Kind::Clock));
     let mut found = Vec::new();
     match units {
         Some(mut units) => {
             units.resize(names.len(), String::new());
             found.push((names, units));
         }
-        None if is_words => {
+        None if is_words && !states_a_moment => {
             // `CH0 CH1` between names and units.
             let units_of =
                 |next: &Row<'_>| unit_row(names.len(), next.cells.iter().map(|cell| unquote(cell)));
@@ -474,6 +479,7 @@ fn known(name: &str, unit: &str, kind: Option<Kind>) -> usize {
         Meaning::Known { .. } => 2,
         Meaning::Refused { .. } => 1,
         Meaning::Other if names_dew_point(name) => 2,
+        Meaning::Other if is_time_by_unit(&header) => 1,
         Meaning::Other => match climate_column(name, unit) {
             Some(column) => 1 + usize::from(column.unit_is_stated),
             None => usize::from(crate::text::names::names_time(name)),

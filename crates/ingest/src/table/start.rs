@@ -4,6 +4,7 @@ use crate::formats::climate::moments::with_offset;
 use crate::formats::date::EITHER_ORDER;
 use crate::formats::error::quoted;
 use crate::formats::stamp::{self, DateOrder};
+use crate::table::Answers;
 use crate::table::dates_above::{dated, says_no_start};
 use crate::table::order::orders;
 use crate::{StartedAt, Timestamp};
@@ -39,6 +40,22 @@ pub fn stated<'l>(head: impl Iterator<Item = &'l str>, stated: Option<DateOrder>
         of_date(rest.trim_matches(is_mark), stated)
     });
     named.or_else(|| the_one_above(&lines, stated))
+}
+
+/// A start that no word names, as somebody answered what it is.
+pub fn answered(start: Option<StartedAt>, answers: &Answers) -> Option<StartedAt> {
+    let start = start?;
+    let open = start.basis.strip_prefix(ONLY_DATE);
+    let (Some(behind), Some(answer)) = (open, answers.of("start")) else {
+        return Some(start);
+    };
+    let kind = match answer {
+        "none" => return None,
+        "end" => Timestamp::End,
+        _ => Timestamp::Start,
+    };
+    let basis = format!("the date above the table behind {behind}, the {answer}, as was answered");
+    Some(StartedAt { kind, basis, ..start })
 }
 
 /// The one full date above a table of which no word says that it is another moment.

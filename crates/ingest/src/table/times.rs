@@ -5,7 +5,7 @@
 
 use super::duration::{self, Fields, TwoFields};
 use super::kind::Kind;
-use super::order::taken;
+use super::order::{in_name, taken};
 use super::question::Question;
 use super::read::{Settled, Table};
 use super::rows;
@@ -555,6 +555,12 @@ impl From<super::epoch::EpochWall> for Wall {
     }
 }
 
+/// The order that the name of the column states, where it is one of these.
+fn named_order(name: &str, orders: &[DateOrder]) -> Option<(DateOrder, &'static str)> {
+    let order = in_name(name).filter(|order| orders.contains(order))?;
+    Some((order, ", as the name of the column states"))
+}
+
 /// The moments of dates under the one order that fits all of them; the newest may come first.
 fn by_dates(
     table: &mut Table<'_>,
@@ -608,19 +614,21 @@ fn by_dates(
                 "no order of day, month and year makes all rows dates that follow each other".to_owned();
             return Err(refused(reason, texts.first().map_or("", String::as_str)));
         }
-        Err(NoOrder::Several(orders)) => match taken(dates[0], &orders, context.date_order) {
-            Some((order, reason)) => match moments(&dates, &[order]) {
-                Ok(found) => (found, reason.to_owned()),
-                Err(_) => return Err(refused("no order fits".to_owned(), dates[0])),
-            },
-            None => {
-                let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
-                return Err(refused(
-                    format!("{} fit all rows alike", in_a_row(&orders)),
-                    dates[0],
-                ));
+        Err(NoOrder::Several(orders)) => {
+            match named_order(&name, &orders).or_else(|| taken(dates[0], &orders, context.date_order)) {
+                Some((order, reason)) => match moments(&dates, &[order]) {
+                    Ok(found) => (found, reason.to_owned()),
+                    Err(_) => return Err(refused("no order fits".to_owned(), dates[0])),
+                },
+                None => {
+                    let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
+                    return Err(refused(
+                        format!("{} fit all rows alike", in_a_row(&orders)),
+                        dates[0],
+                    ));
+                }
             }
-        },
+        }
     };
     let offset = if moments.in_utc {
         Some("+00:00".to_owned())

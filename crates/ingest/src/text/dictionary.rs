@@ -8,25 +8,25 @@ use ieap_domain::Quantity;
 use ieap_domain::tag::keys;
 
 /// Names with the quantities that they may stand for, the likeliest first: English, German, French, Spanish, Italian,
-/// Portuguese, Polish, Estonian, Russian, Japanese, Chinese, Korean.
+/// Portuguese, Polish, Czech, Estonian, Russian, Japanese, Chinese, Korean.
 pub(super) const QUANTITIES: [(&[Quantity], &str); 24] = [
     (&[Quantity::Time, Quantity::Temperature], "t"),
     (
         &[Quantity::Time],
         "time;test time;elapsed time;time elapsed;corrected time;total time;run time;epoch time;elapsed;zeit;messzeit;\
-         laufzeit;versuchszeit;temps;temps écoulé;tiempo;tiempo transcurrido;tempo;tempo trascorso;tempo decorrido;czas;aeg;\
+         laufzeit;versuchszeit;temps;temps écoulé;tiempo;tiempo transcurrido;tempo;tempo trascorso;tempo decorrido;czas;čas;uplynulý čas;aeg;\
          время;時間;経過時間;時刻;时间;時间;测试时间;시간;x axis",
     ),
     (
         &[Quantity::Voltage],
         "voltage;volt;v;u;e;potential;we(1).potential;cell voltage;cell potential;working electrode;ewe;ecell;vf;spannung;\
-         zellspannung;potenzial;tension;potentiel;voltaje;tensión;potencial;tensione;potenziale;tensão;napięcie;pinge;\
+         zellspannung;potenzial;tension;potentiel;voltaje;tensión;potencial;tensione;potenziale;tensão;napięcie;napětí;potenciál;pinge;\
          напряжение;電圧;電位;電壓;电压;电位;전압",
     ),
     (
         &[Quantity::Current, Quantity::CurrentDensity],
         "current;curr;i;im;we(1).current;cell current;strom;stromstärke;stromstaerke;zellstrom;courant;intensité;corriente;\
-         intensidad;corrente;prąd;natężenie prądu;vool;voolutugevus;ток;сила тока;電流;电流;전류",
+         intensidad;corrente;prąd;natężenie prądu;proud;vool;voolutugevus;ток;сила тока;電流;电流;전류",
     ),
     (
         &[Quantity::CurrentDensity],
@@ -34,12 +34,12 @@ pub(super) const QUANTITIES: [(&[Quantity], &str); 24] = [
     ),
     (
         &[Quantity::Curvature],
-        "curvature;bending curvature;kappa;κ;krümmung;kruemmung;courbure;curvatura;krzywizna;kõverus;кривизна;曲率;곡률",
+        "curvature;bending curvature;kappa;κ;krümmung;kruemmung;courbure;curvatura;krzywizna;křivost;kõverus;кривизна;曲率;곡률",
     ),
     (
         &[Quantity::TipDisplacement],
         "displacement;tip displacement;deflection;tip deflection;auslenkung;durchbiegung;verschiebung;déplacement;\
-         flèche;desplazamiento;spostamento;deslocamento;przemieszczenie;ugięcie;siire;nihe;смещение;перемещение;変位;たわみ;位移;변위",
+         flèche;desplazamiento;spostamento;deslocamento;przemieszczenie;ugięcie;průhyb;výchylka;posunutí;siire;nihe;смещение;перемещение;変位;たわみ;位移;변위",
     ),
     (
         &[Quantity::BlockingForce],
@@ -49,18 +49,18 @@ pub(super) const QUANTITIES: [(&[Quantity], &str); 24] = [
     (
         &[Quantity::Temperature],
         "temperature;temp;temp.;ambient temperature;air temperature;temperatur;lufttemperatur;température;temperatura;\
-         temperatuur;температура;温度;溫度;気温;온도",
+         temperatuur;teplota;температура;温度;溫度;気温;온도",
     ),
     (
         &[Quantity::RelativeHumidity],
         "relative humidity;rel. humidity;humidity;humi;humi.;rh;r.h.;feuchte;luftfeuchte;luftfeuchtigkeit;relative feuchte;\
          relative luftfeuchte;rel. feuchte;rel. luftfeuchte;r.f.;rf;humidité;humidite;humidité relative;hr;humedad;\
-         humedad relativa;umidità;umidità relativa;ur;umidade;umidade relativa;wilgotność;wilgotność względna;niiskus;\
+         humedad relativa;umidità;umidità relativa;ur;umidade;umidade relativa;wilgotność;wilgotność względna;vlhkost;relativní vlhkost;niiskus;\
          suhteline niiskus;õhuniiskus;влажность;относительная влажность;湿度;相対湿度;相对湿度;濕度;습도",
     ),
     (
         &[Quantity::Pressure],
-        "pressure;p;ambient pressure;air pressure;druck;luftdruck;pression;presión;pressione;pressão;ciśnienie;rõhk;õhurõhk;\
+        "pressure;p;ambient pressure;air pressure;druck;luftdruck;pression;presión;pressione;pressão;ciśnienie;tlak;rõhk;õhurõhk;\
          давление;気圧;气压;圧力;压力;압력",
     ),
     (&[Quantity::Oxygen], "oxygen;o2"),
@@ -85,7 +85,7 @@ pub(super) const QUANTITIES: [(&[Quantity], &str); 24] = [
     ),
     (
         &[Quantity::Frequency],
-        "frequency;frequenz;freq;f;fréquence;frecuencia;frequenza;frequência;częstotliwość;sagedus;частота;周波数;频率;頻率;주파수",
+        "frequency;frequenz;freq;f;fréquence;frecuencia;frequenza;frequência;częstotliwość;frekvence;sagedus;частота;周波数;频率;頻率;주파수",
     ),
     (
         &[Quantity::ImpedanceReal],
@@ -106,7 +106,7 @@ pub(super) const QUANTITIES: [(&[Quantity], &str); 24] = [
 
 /// Words that columns of times have in their names.
 pub(super) const TIMES: &str = "time;zeit;date;datum;timestamp;epoch;unix;uts;elapsed;clock;aeg;kell;kellaaeg;kuupäev;temps;heure;\
-    horodatage;tiempo;fecha;hora;tempo;data/ora;ora;godzina;czas;duration;dauer;durée;время;дата;时间;日期;時間;日時;時刻;日付;\
+    horodatage;tiempo;fecha;hora;tempo;data/ora;ora;godzina;czas;čas;hodina;duration;dauer;durée;время;дата;时间;日期;時間;日時;時刻;日付;\
     시간;날짜";
 /// Parts of words by which a time counts from the start of something and not from midnight.
 pub(super) const ELAPSED: &str = "elapsed;test;run;step;total;duration;lauf;mess;dauer;écoul;durée;transcurrid;trascors;decorrid;\
@@ -114,7 +114,7 @@ pub(super) const ELAPSED: &str = "elapsed;test;run;step;total;duration;lauf;mess
 
 /// Parts of words that say of a date above a table that it is no start: of an end, an export, a calibration, a version.
 pub(crate) const NO_STARTS: &str = "export;saved;print;calib;kalib;étalon;version;firmware;build;modif;expir;due;valid;report;install;end;finish;\
-    stop;ende;fin ;fin:;koniec;lõpp;kalibr;exportiert;gespeichert;gedruckt;校准;校正;导出;保存;结束;終了;出力;更新;교정;저장;종료;내보내;конец;\
+    stop;ende;fin ;fin:;koniec;konec;ukonč;lõpp;kalibr;exportiert;gespeichert;gedruckt;校准;校正;导出;保存;结束;終了;出力;更新;교정;저장;종료;내보내;конец;\
     оконч;экспорт;калибр;сохран";
 /// Words that speak of time zones.
 pub(crate) const ZONES: &str = "timezone;zone;tz;utc;gmt;dst;daylight;summertime;sommerzeit;zeitzone;fuseau;huso;fuso;strefa;časové;ajavöönd;\
@@ -182,6 +182,9 @@ pub(super) const ROLES: [(Role, &str); 4] = [
 /// Those of them that say it as parts of words, too: `Taupunkttemperatur`, `setpoint_c`.
 pub(super) const ROLE_PARTS: &str = "dew;taupunkt;frost;setpoint;sollwert;soil;panel;ptemp;wetbulb;batt;surface;deficit;mixing;absolute;vapo;board;alarm";
 
+/// Words in names that say how well a column was measured, and nothing of its role.
+pub(super) const QUALITIES: &str = "high-res;high res;hi-res;low-noise";
+
 /// Short forms of humidity and temperature in names of sensors' columns.
 pub(crate) const HUMIDITY: &str = "hum;relhumidity;relh";
 /// As [`HUMIDITY`].
@@ -195,6 +198,9 @@ pub(crate) const CHAMBER: [(&str, Quantity); 3] = [
 /// Words that say nothing of which sensor it is.
 pub(crate) const PLAIN: &str = "air;relativa;suhteline;относительная;luft;humedad;rel;relative;ambient;avg;ave;average;mean;last;\
     smp;percent;degc;degf;c;f;pct;rf;lft;tc";
+/// What stands before the number of an input: a name of this and a number says nothing of what it measures.
+pub(crate) const INPUTS: &str =
+    "channel;chan;ch;input;kanal;canal;canale;kanał;kanál;kanali;канал;チャンネル;通道;채널";
 /// Words in the name of a column that names sensors.
 pub(crate) const SENSORS: &str = "transmitter;sensor;device;logger;probe;station;node;location;serial;fühler;gerät;sonde;messstelle;\
     capteur;equipo;sensore;andur;датчик;センサ;传感器;感測器;sond;anturi;channel";
@@ -209,38 +215,54 @@ pub(crate) const SHEET_COLUMNS: [(&str, &str); 8] = [
     (
         "file",
         "file;filename;file name;fichier;nom du fichier;nom de fichier;datei;dateiname;fail;failinimi;faili nimi;archivo;\
-         fichero;nombre de archivo;arquivo;plik;файл;имя файла;ファイル;文件;檔案;파일",
+         fichero;nombre de archivo;arquivo;plik;soubor;файл;имя файла;ファイル;文件;檔案;파일",
     ),
     (
         keys::SAMPLE,
         "sample;strip;specimen;échantillon;echantillon;éprouvette;eprouvette;probe;streifen;muster;proov;katsekeha;riba;\
-         muestra;campione;amostra;próbka;образец;試料;サンプル;样品;樣品;시료",
+         muestra;campione;amostra;próbka;vzorek;образец;試料;サンプル;样品;樣品;시료",
     ),
     (
         keys::ENVIRONMENT,
         "environment;atmosphere;atmosphère;milieu;environnement;gaz;gas;umgebung;atmosphäre;keskkond;atmosfäär;ambiente;\
-         atmósfera;atmosfera;среда;атмосфера;雰囲気;環境;环境;气氛",
+         atmósfera;atmosfera;środowisko;otoczenie;prostředí;atmosféra;среда;атмосфера;雰囲気;環境;环境;气氛;분위기;환경",
     ),
     (
         keys::CYCLE,
-        "cycle;zyklus;tsükkel;répétition;repetition;repeat;wiederholung;kordus;essai;ciclo;cykl;цикл;サイクル;繰り返し;循环",
+        "cycle;zyklus;tsükkel;répétition;repetition;repeat;wiederholung;kordus;essai;ciclo;cykl;powtórzenie;cyklus;opakování;цикл;サイクル;繰り返し;循环;重复;반복",
     ),
     (
         keys::OPERATOR,
-        "operator;opérateur;operateur;bediener;mõõtja;operaator;operador;operatore;оператор;測定者;担当者;操作者",
+        "operator;opérateur;operateur;bediener;mõõtja;operaator;operador;operatore;obsluha;operátor;оператор;測定者;担当者;操作者;操作员;담당자;작성자",
     ),
     (
         keys::INSTRUMENT,
-        "instrument;appareil;gerät;geraet;seade;instrumento;strumento;przyrząd;прибор;装置;測定器;仪器",
+        "instrument;appareil;gerät;geraet;seade;instrumento;strumento;przyrząd;přístroj;прибор;装置;測定器;仪器;设备;장비;기기",
     ),
     (
         keys::NOTE,
         "note;notes;remark;remarks;remarque;remarques;commentaire;commentaires;bemerkung;bemerkungen;kommentar;märkus;\
-         märkused;nota;notas;osservazioni;uwagi;примечание;備考;备注;비고",
+         märkused;nota;notas;osservazioni;uwagi;poznámka;poznámky;примечание;備考;备注;비고",
     ),
     (
         keys::REST_BEFORE_S,
         "rest_before_s;repos (s);rest (s);pause (s);ruhe (s);paus (s);reposo (s);riposo (s);休止 (s)",
+    ),
+];
+
+/// Sizes of a strip: the key of a `[[sample]]`, and the names of its column.
+pub(crate) const SIZE_COLUMNS: [(&str, &str); 3] = [
+    (
+        "length_mm",
+        "length;longueur;länge;pikkus;longitud;largo;lunghezza;comprimento;długość;délka;длина;長さ;长度;長度;길이",
+    ),
+    (
+        "width_mm",
+        "width;largeur;breite;laius;ancho;anchura;larghezza;largura;szerokość;šířka;ширина;幅;宽度;寬度;너비;폭",
+    ),
+    (
+        "thickness_mm",
+        "thickness;épaisseur;dicke;paksus;espesor;grosor;spessore;espessura;grubość;tloušťka;толщина;厚さ;厚み;厚度;두께",
     ),
 ];
 

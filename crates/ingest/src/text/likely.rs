@@ -1,7 +1,9 @@
 //! What a column may mean whose name is not known: by a name that is nearly a known one, or by its unit alone.
 
+use super::dictionary::{INPUTS, Role, is_among};
 use super::header::{Header, Meaning, spelled_unit};
-use super::names::{candidates, known_names};
+use super::names::{candidates, known_names, role};
+use super::number::unquote;
 use crate::campaign_file::nearest;
 use crate::text::policy::FEWEST_LETTERS;
 use ieap_domain::Quantity;
@@ -51,6 +53,36 @@ pub fn headed_by_unit(name: &str, unit: &str) -> Option<Header> {
         raw_name: name.to_owned(),
         ..Header::with_unit(quantity.label(), unit)
     })
+}
+
+/// Whether a name that nobody knows says by its unit that it is a time: `Idő (s)`.
+pub fn is_time_by_unit(header: &Header) -> bool {
+    let unit = &header.raw_unit;
+    // The unit `min` is no minimum.
+    let name = header.raw_name.split(['(', '[', '{', '/']).next().unwrap_or("");
+    let is_stated = header.raw_name.ends_with([')', ']', '}']) || header.raw_name.contains('/');
+    header.meaning == Meaning::Other
+        && is_stated
+        && !unit.is_empty()
+        && role(name) == Role::Measured
+        && unit::conversion(Quantity::Time, unit).is_ok()
+}
+
+/// Whether a name numbers an input and says nothing of what it measures: `3`, `Channel 2 (V)`.
+pub fn says_nothing(name: &str) -> bool {
+    let bare = unquote(name)
+        .split(['(', '[', '{', '/'])
+        .next()
+        .unwrap_or("")
+        .to_lowercase();
+    let mut words = bare
+        .split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty());
+    let is_input = |word: &str| {
+        let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        letters.is_empty() || is_among(INPUTS, letters)
+    };
+    bare.contains(|c: char| c.is_ascii_digit()) && words.all(is_input)
 }
 
 /// `curvture_per_cm`, `Curent (mA)`: a slip in a known name, with a unit of its quantity.
@@ -111,6 +143,30 @@ mod tests {
             let found = likely(&Header::parse(cell)).unwrap_or_else(|| panic!("{cell}"));
             let name = found.named.as_ref().map(|(name, _)| name.as_str());
             assert_eq!((found.quantity, name), (quantity, meant), "{cell}");
+        }
+    }
+
+    #[test]
+    fn a_number_of_an_input_says_nothing_and_a_unit_of_time_says_it() {
+        for (name, says) in [
+            ("3", true),
+            ("Channel 2 (V)", true),
+            ("CH1", true),
+            ("通道3 (mA)", true),
+            ("Input (V)", false),
+            ("I1 (A)", false),
+            ("(V)", false),
+        ] {
+            assert_eq!(says_nothing(name), says, "{name}");
+        }
+        for (name, is_time) in [
+            ("Idő (s)", true),
+            ("Aika [min]", true),
+            ("Rate limit (s)", false),
+            ("x_s", false),
+            ("Áram (mA)", false),
+        ] {
+            assert_eq!(is_time_by_unit(&Header::parse(name)), is_time, "{name}");
         }
     }
 

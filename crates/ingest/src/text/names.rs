@@ -9,7 +9,8 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use super::dictionary::{
-    DEW_POINTS, ELAPSED, QUANTITIES, ROLE_PARTS, ROLES, Role, SHEET_COLUMNS, TIMES, is_among,
+    DEW_POINTS, ELAPSED, QUALITIES, QUANTITIES, ROLE_PARTS, ROLES, Role, SHEET_COLUMNS, SIZE_COLUMNS, TIMES,
+    is_among,
 };
 use super::header::Header;
 use crate::text::policy::LONGEST_NAME;
@@ -170,10 +171,31 @@ pub(super) fn contained(name: &str, unit: &str) -> Option<Quantity> {
     }
 }
 
+/// A name without words that say how well it was measured; what is absolute of a pressure is what a gauge shows.
+fn without_qualities(name: &str) -> String {
+    let lower = name.to_lowercase();
+    let is_pressure = names_of(Quantity::Pressure)
+        .any(|known| known.chars().count() >= FEWEST_CONTAINED && lower.contains(known));
+    let said = QUALITIES.split(';').chain(is_pressure.then_some("absolute"));
+    // Letters of other sizes do not matter where a word goes.
+    said.filter(|word| lower.contains(word))
+        .fold(name.to_owned(), |name, word| {
+            let at = name
+                .to_lowercase()
+                .find(word)
+                .filter(|at| name.is_char_boundary(*at));
+            match at.filter(|at| name.is_char_boundary(at + word.len())) {
+                Some(at) => format!("{} {}", &name[..at], &name[at + word.len()..]),
+                None => name,
+            }
+        })
+}
+
 /// What a column is, by the words of its name.
 pub fn role(name: &str) -> Role {
-    let lower = half_width(name).to_lowercase();
-    let words = words_of(name);
+    let name = without_qualities(&half_width(name));
+    let lower = name.to_lowercase();
+    let words = words_of(&name);
     let says = |(_, known): &&(Role, &str)| {
         known.split(';').any(|known| {
             words.iter().any(|word| word == known)
@@ -272,6 +294,17 @@ pub(crate) fn sheet_column(name: &str) -> Option<&'static str> {
     })
 }
 
+/// The size of a strip that a word of a column's name speaks of.
+pub(crate) fn size_column(name: &str) -> Option<&'static str> {
+    let plain = plain(name);
+    let is_it = |(_, names): &&(&str, &str)| names.split(';').any(|word| holds(&plain, word));
+    let mut found = SIZE_COLUMNS.iter().filter(is_it);
+    found
+        .next()
+        .filter(|_| found.next().is_none())
+        .map(|(key, _)| *key)
+}
+
 /// Whether a text that is not all of ASCII holds a word or unit of the dictionary: what shows that it was decoded rightly.
 pub(super) fn speaks(text: &str) -> bool {
     /// Words of dates and half-days, in one letter each.
@@ -303,6 +336,10 @@ mod tests {
             ("Td (°C)", Role::Derived),
             ("Actual temp. (°C)", Role::Measured),
             ("Humidity (%)", Role::Measured),
+            ("High-Res Temp (°C)", Role::Measured),
+            ("Absolute pressure (mbar)", Role::Measured),
+            ("Absolute humidity (g/m3)", Role::Derived),
+            ("High alarm temp", Role::Limit),
             ("Asset temperature", Role::Measured),
         ] {
             assert_eq!(role(name), expected, "{name}");

@@ -11,6 +11,7 @@ mod dice;
 mod names;
 mod pairs;
 mod run;
+mod sensors;
 mod sheets;
 mod zones;
 

@@ -11,7 +11,7 @@ use super::run::{read_text, rows};
 use super::{Came, count_of};
 
 /// A word of any script.
-fn word(dice: &mut Dice) -> String {
+pub fn word(dice: &mut Dice) -> String {
     let (first, last) = dice.pick(&[('a', 'z'), ('а', 'я'), ('一', '鿀'), ('가', '힣'), ('ぁ', 'ん')]);
     let letters = dice.whole(2, 7);
     (0..letters)

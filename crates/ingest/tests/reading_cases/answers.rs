@@ -8,7 +8,7 @@ use crate::expected::Expected;
 use crate::log_expected::{is_series, log_of, log_rows, only_series};
 use crate::logs::fractions;
 use crate::moments::seconds_that_are_ms;
-use crate::reads::{answered, is_asked, local_start, only_channel, only_table};
+use crate::reads::{answered, is_asked, local_start, of, only_channel, only_table};
 use crate::times::two_fields;
 
 #[test]
@@ -87,4 +87,25 @@ fn an_answer_settles_what_is_open_and_nothing_else() {
     let plain = read("a.csv", table.as_bytes(), &ReadContext::default()).unwrap();
     let answered = read("a.csv", table.as_bytes(), &context).unwrap();
     assert_eq!(plain.tables, answered.tables);
+}
+
+#[test]
+fn a_date_above_a_table_is_what_was_answered_of_it() {
+    let rows: String = (0..20)
+        .map(|k| format!("{k},{},1.5\n", u8::from(k > 4)))
+        .collect();
+    let text = format!("Gerät 7\nSoros 2026/06/03 10:21:05\nTime (s),Voltage (V),Current (mA)\n{rows}");
+    let kind = |reading: &ieap_ingest::Reading| reading.started_at.as_ref().map(|start| start.kind);
+    assert_eq!(kind(&of("a.csv", &text)), Some(ieap_ingest::Timestamp::Start));
+    assert_eq!(
+        kind(&answered("a.csv", &text, "start", "end")),
+        Some(ieap_ingest::Timestamp::End)
+    );
+    assert_eq!(kind(&answered("a.csv", &text, "start", "none")), None);
+    // Behind a word for it nothing is open.
+    let named = text.replace("Soros", "Start:");
+    assert_eq!(
+        kind(&answered("a.csv", &named, "start", "none")),
+        Some(ieap_ingest::Timestamp::Start)
+    );
 }

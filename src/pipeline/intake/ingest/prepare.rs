@@ -190,7 +190,7 @@ fn read(with: With<'_>, kind: RunKind, file: &SeenFile, bytes: &[u8]) -> (Outcom
     let name = file.display.rsplit('/').next().unwrap_or(&file.display);
     if kind != RunKind::Dma && run_sheet::is_sheet(name, bytes) {
         let outcome = match run_sheet::read(bytes) {
-            Ok(rows) => Outcome::Sidecar(run_sheet::note(bytes, rows.len())),
+            Ok(rows) => Outcome::Sidecar(run_sheet::note(bytes, &rows)),
             Err(issue) => Outcome::Refused(issue),
         };
         return (outcome, None);

@@ -126,8 +126,15 @@ impl InitFrom {
 /// What only a person can fill in, each said once for all files that wait for it.
 fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<String> {
     let mut open = Vec::new();
-    let ids: Vec<&str> = proposed.samples.iter().map(|sample| sample.id.as_str()).collect();
+    let has_sizes = |sample: &&NamedSample| {
+        ["length_mm", "width_mm"]
+            .iter()
+            .all(|key| sample.sizes_mm.contains_key(key))
+    };
+    let unsized_ones = proposed.samples.iter().filter(|sample| !has_sizes(sample));
+    let ids: Vec<&str> = unsized_ones.map(|sample| sample.id.as_str()).collect();
     match ids.as_slice() {
+        [] if !proposed.samples.is_empty() => {}
         [] => open.push("campaign.toml: a [[sample]] with id, material, length_mm and width_mm".to_owned()),
         ids => open.push(format!(
             "campaign.toml: length_mm and width_mm of {}",
@@ -174,7 +181,7 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
     open.extend(drafts.map(|profile| {
         format!(
             "profiles/{id}.toml.draft, for {}: {}; then call it {id}.toml",
-            profile.files.join(", "),
+            profile.shown_files(),
             profile.open.join("; "),
             id = profile.id
         )
@@ -217,7 +224,8 @@ fn starts_to_confirm(files: &[PlannedFile]) -> Vec<String> {
     let line = |(words, files): (&str, Vec<&PlannedFile>)| {
         let raw = files[0].seen.start_raw.as_deref().unwrap_or("");
         format!(
-            "{} file(s), first {}: {words} {raw} is taken as the start; if it is another moment, tag the runs with started_at",
+            "{} file(s), first {}: {words} {raw} is taken as the start; if it is the end, or neither: ieap profile RUN --answer \
+             start=end (or none) --write NAME, for all files like it",
             files.len(),
             files[0].seen.path
         )

@@ -11,11 +11,11 @@ use serde::Serialize;
 use crate::domain::pairs::HalfKind;
 use crate::domain::{Channel, DateOrder, Issue, Quantity};
 use crate::ingest::archive;
-use crate::ingest::folder_dates::order_beside;
+use crate::ingest::folder_dates::{order_beside, order_not_after};
 use crate::ingest::formats::{ReadContext, ReadError};
 use crate::ingest::pairs::{half_of, window_s};
 use crate::ingest::profiles::{self, Profile};
-use crate::ingest::run_sheet::SheetRow;
+use crate::ingest::run_sheet::{SampleSize, SheetRow};
 use crate::ingest::scan::{is_own_product, is_passing_name, states_for};
 use crate::ingest::table::start;
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
@@ -130,6 +130,16 @@ pub struct ProposedFor {
     pub files: Vec<String>,
 }
 
+impl ProposedFor {
+    /// Its files in words: the first, and how many more.
+    pub fn shown_files(&self) -> String {
+        match self.files.as_slice() {
+            [first, _, _, rest @ ..] if !rest.is_empty() => format!("{first} and {} more", rest.len() + 2),
+            few => few.join(", "),
+        }
+    }
+}
+
 /// What a folder holds.
 #[derive(Debug, Default)]
 pub struct Looked {
@@ -141,6 +151,8 @@ pub struct Looked {
     pub date_order: Option<DateOrder>,
     /// Rows of run sheets.
     pub rows: Vec<SheetRow>,
+    /// Sizes of strips that run sheets state.
+    pub sizes: Vec<SampleSize>,
     /// Whether dates stay open because no file shows their order.
     pub has_open_dates: bool,
 }
@@ -281,8 +293,9 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
 fn sheet(seen: Seen, bytes: &[u8], looked: &mut Looked) -> Seen {
     let issue = match run_sheet::read(bytes) {
         Ok(rows) => {
-            let note = run_sheet::note(bytes, rows.len());
+            let note = run_sheet::note(bytes, &rows);
             looked.rows.extend(rows);
+            looked.sizes.extend(run_sheet::sizes_of(bytes));
             note
         }
         Err(issue) => issue,
@@ -293,7 +306,8 @@ fn sheet(seen: Seen, bytes: &[u8], looked: &mut Looked) -> Seen {
     }
 }
 
-/// Reads a file; where its dates leave their order open, that of other files of its folder is taken and remembered.
+/// Reads a file; where its dates leave their order open, that of other files of its folder is taken and remembered, or the one in
+/// which they are not after the file's own.
 fn read(
     path: &Path,
     name: &str,
@@ -314,7 +328,9 @@ fn read(
     };
     match read_as(None) {
         Err(ReadError::AmbiguousDates { first, .. }) => {
-            let order = looked.date_order.or_else(|| order_beside(path, &first));
+            let order = (looked.date_order)
+                .or_else(|| order_beside(path, &first))
+                .or_else(|| order_not_after(path, &first));
             looked.date_order = order;
             let read = read_as(order);
             looked.has_open_dates |= read.is_err();

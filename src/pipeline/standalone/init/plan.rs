@@ -39,7 +39,7 @@ pub struct PlannedFile {
 }
 
 /// A sample that names speak of.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NamedSample {
     /// Its id, as most names write it.
     pub id: String,
@@ -47,6 +47,8 @@ pub struct NamedSample {
     pub material: String,
     /// Runs that name it.
     pub runs: usize,
+    /// Its sizes as a run sheet states them, mm, by the key of the `[[sample]]`.
+    pub sizes_mm: BTreeMap<&'static str, f64>,
 }
 
 /// What a folder becomes.
@@ -133,7 +135,7 @@ pub fn plan(looked: &Looked) -> Plan {
         files,
         pairs,
         lone,
-        samples: samples.into_list(),
+        samples: samples.into_list(looked),
         pattern,
     }
 }
@@ -358,7 +360,12 @@ impl Samples {
         self.spellings.values().filter_map(most_frequent).collect()
     }
 
-    fn into_list(self) -> Vec<NamedSample> {
+    fn into_list(self, looked: &Looked) -> Vec<NamedSample> {
+        let sizes = |id: &str| -> BTreeMap<&'static str, f64> {
+            let own = looked.sizes.iter();
+            let own = own.filter(|size| shared_spelling(&size.sample) == shared_spelling(id));
+            own.flat_map(|size| size.sizes_mm.iter().copied()).collect()
+        };
         let sample = |spellings: &BTreeMap<String, usize>| {
             let id = most_frequent(spellings)?;
             let letters = id.find(|c: char| c.is_ascii_digit()).map_or(id, |at| &id[..at]);
@@ -367,6 +374,7 @@ impl Samples {
                 id: id.to_owned(),
                 material: if material.is_empty() { id } else { material }.to_owned(),
                 runs: spellings.values().sum(),
+                sizes_mm: sizes(id),
             })
         };
         self.spellings.values().filter_map(sample).collect()

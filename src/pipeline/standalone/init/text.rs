@@ -68,13 +68,20 @@ pub fn campaign_text(id: &str, from: &str, timezone: Option<&str>, looked: &Look
     for sample in &plan.samples {
         let _ = writeln!(
             text,
-            "\n[[sample]]    # {}\nid = {}\nmaterial = {}    # from the id; correct it\n\
-             # length_mm = 0.0    # {FILL_IN}: free length\n\
-             # width_mm = 0.0    # {FILL_IN}: width",
+            "\n[[sample]]    # {}\nid = {}\nmaterial = {}    # from the id; correct it",
             counted(sample.runs, "run"),
             quoted(&sample.id),
             quoted(&sample.material)
         );
+        for (key, what) in [("length_mm", "free length"), ("width_mm", "width")] {
+            let _ = match sample.sizes_mm.get(key) {
+                Some(mm) => writeln!(text, "{key} = {mm:?}    # {what}, from the run sheet"),
+                None => writeln!(text, "# {key} = 0.0    # {FILL_IN}: {what}"),
+            };
+        }
+        if let Some(mm) = sample.sizes_mm.get("thickness_mm") {
+            let _ = writeln!(text, "thickness_mm = {mm:?}    # from the run sheet");
+        }
     }
     if plan.samples.is_empty() {
         let _ = writeln!(

@@ -95,7 +95,8 @@ pub fn is_log(lines: &[Line<'_>], shape: impl FnOnce() -> Option<Shape>) -> bool
         } else {
             Header::with_unit(name, unit(index))
         };
-        header.meaning.named_quantity().is_some_and(Quantity::is_response)
+        (header.meaning.named_quantity())
+            .is_some_and(|quantity| quantity.is_response() || quantity.is_modulus())
     };
     let is_climate = |(index, name): (usize, &String)| {
         shape.kinds.get(index) == Some(&Kind::Number)
@@ -170,9 +171,10 @@ pub fn read_lines(
     let names_at = read.layout.shape.names_at.unwrap_or(0);
     let settled = times::settle(&mut read, context, &mut issues)?;
     let head = || lines[..names_at].iter();
+    let above = || start::stated(head().map(|line| line.text), context.date_order);
     let started_at = settled
         .started_at
-        .or_else(|| start::stated(head().map(|line| line.text), context.date_order));
+        .or_else(|| start::answered(above(), &context.answers));
     let timing = (settled.spent.iter().copied()).chain(time_of(&read));
     let names = timing.map(|at| read.headers[at].raw_name.as_str());
     let started_at = zone::complete(started_at, names, head().map(|line| line.text), &mut issues);
@@ -415,8 +417,14 @@ fn sensors(read: &Table<'_>, spent: &[usize]) -> Vec<Part> {
         let rows = rows_of_words(read, column)?;
         let lower = read.headers[column].raw_name.to_lowercase();
         let is_named = SENSORS.split(';').any(|name| lower.contains(name));
-        let is_word = read.kind(column) == Kind::Word;
-        (is_named || (is_word && is_smooth_within(read, &rows))).then_some((is_named, rows))
+        // What has a unit or is known is a reading, whatever jumps with it.
+        let header = &read.headers[column];
+        let is_known = header
+            .meaning
+            .quantity()
+            .is_some_and(|quantity| quantity != Quantity::Other);
+        let is_reading = is_known || !header.raw_unit.is_empty();
+        (is_named || (!is_reading && is_smooth_within(read, &rows))).then_some((is_named, rows))
     });
     let found = several
         .into_iter()
