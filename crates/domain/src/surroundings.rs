@@ -6,22 +6,22 @@ const WORDS: [(&str, &str); 3] = [
     (
         "air",
         "air;ambient;luft;raumluft;laborluft;aire;aria;õhk;ohk;воздух;\
-         空気;空气;空氣;大気;大气;powietrze;공기;ambiant",
+         空気;空气;空氣;大気;大气;powietrze;vzduch;levegő;공기;대기;ambiant",
     ),
     (
         "vacuum",
         "vacuum;vac;vakuum;vide;sousvide;vacío;vacio;vuoto;vácuo;vacuo;vaakum;вакуум;\
-         próżnia;真空;진공",
+         próżnia;vákuum;真空;진공",
     ),
     (
         "inert",
-        "inert;inerte;inertgas;inertne;glovebox;schutzgas;グローブボックス;不活性;手套箱",
+        "inert;inerte;inertgas;inertne;glovebox;schutzgas;グローブボックス;不活性;手套箱;글로브박스",
     ),
 ];
 /// Gases that hold no water and take no part.
 const GASES: &str = "argon;ar;argón;argoon;nitrogen;n2;stickstoff;azote;nitrógeno;nitrogeno;azoto;\
                      lämmastik;lammastik;аргон;азот;helium;heelium;\
-                     hélium;xenon;krypton;窒素;氮气;氮氣;アルゴン;氩气;氬氣;ヘリウム;氦气;질소;아르곤";
+                     hélium;xenon;krypton;窒素;氮气;氮氣;アルゴン;氩气;氬氣;ヘリウム;氦气;질소;아르곤;dusík;dusik;azot;nitrogén";
 
 /// The word of `words` that a name in small letters is, or that stands in it where words are written without blanks between
 /// them: `窒素雰囲気`.

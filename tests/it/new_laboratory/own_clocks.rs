@@ -282,7 +282,7 @@ fn a_czech_laboratory_with_decimal_commas() {
         folder: "data",
         // A word for an atmosphere that is not known stays one.
         strips: &["V1", "V2"],
-        airs: &[("vakuum", "vacuum", 0.0), ("vzduch", "vzduch", 50.0)],
+        airs: &[("vakuum", "vacuum", 0.0), ("vzduch", "air", 50.0)],
         voltages: &[1.5, -1.5, 2.0],
         electrical: "proud",
         ahead_s: 41,
