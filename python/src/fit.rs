@@ -237,8 +237,9 @@ pub fn fit(
 }
 
 /// The draws that are asked for, between the ends that the program takes.
-pub fn draws_of(py: Python<'_>, draws: Option<usize>) -> PyResult<Option<Draws>> {
+pub fn draws_of(py: Python<'_>, draws: Option<usize>) -> PyResult<Option<usize>> {
     let known = draws.map(Draws::new).transpose();
+    let known = known.map(|draws| draws.map(Draws::count));
     known.map_err(|needed| bad_argument(py, "draws", &needed, "give another number, or none"))
 }
 

@@ -68,7 +68,7 @@ fn diagnosed(
 ) -> Result<u8, CliError> {
     let choice = DiagnoseChoice {
         model: args.model.clone(),
-        draws: args.draws,
+        draws: args.draws.map(Draws::count),
         seed: global.seed,
     };
     // Wrong usage is told before anything is taken in or fitted.

@@ -1,6 +1,6 @@
 //! How to diagnose: the base model, seed and draws, of the command line or of campaign.toml.
 
-use crate::diagnose::{DiagnoseOptions, Draws};
+use crate::diagnose::DiagnoseOptions;
 use crate::domain::Campaign;
 use crate::fit::FitError;
 use crate::model::{ModelChoice, fit_models};
@@ -11,8 +11,8 @@ use crate::pipeline::PipelineError;
 pub struct DiagnoseChoice {
     /// Base model; none takes the campaign's.
     pub model: Option<String>,
-    /// Draws of what chance does; none takes the default.
-    pub draws: Option<Draws>,
+    /// Draws of what chance does; none takes the default. Doors take [`Draws`](crate::diagnose::Draws).
+    pub draws: Option<usize>,
     /// Seed of the draws; none takes the default.
     pub seed: Option<u64>,
 }
@@ -46,7 +46,7 @@ impl DiagnoseChoice {
             } else {
                 default.model
             },
-            draws: self.draws.map_or(default.draws, Draws::count),
+            draws: self.draws.unwrap_or(default.draws),
             seed: self.seed.unwrap_or(default.seed),
             ..default
         })

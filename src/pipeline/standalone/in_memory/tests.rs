@@ -5,7 +5,6 @@ use std::fs;
 use std::path::Path;
 
 use super::*;
-use crate::diagnose::Draws;
 use crate::domain::{AskedFit, Drive, Level, Segment};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;
@@ -192,7 +191,7 @@ fn a_diagnosis_is_that_of_a_campaign_of_one_group() {
     let folder = tempfile::tempdir().unwrap();
     let mut context = campaign(folder.path());
     let choice = DiagnoseChoice {
-        draws: Draws::new(99).ok(),
+        draws: Some(99),
         ..DiagnoseChoice::default()
     };
     let verb = DiagnoseRuns {
