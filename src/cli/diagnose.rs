@@ -1,6 +1,5 @@
 //! `ieap diagnose`.
 
-use crate::diagnose::Draws;
 use crate::domain::words::counted;
 use clap::Args;
 
@@ -14,7 +13,8 @@ use super::signals;
 use crate::pipeline::documents::diagnosis::{DiagnosisDocument, GroupEntry, diagnosis_document};
 use crate::pipeline::documents::group_lines::lines;
 use crate::pipeline::{
-    Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, FitChoice, FitRuns, Ingest, stands_in,
+    Adopt, Context, DiagnoseChoice, DiagnoseRuns, DiagnoseSummary, Draws, FitChoice, FitRuns, Ingest,
+    stands_in,
 };
 
 /// Say what the model gets wrong, and name the cause

@@ -18,6 +18,7 @@ pub mod serve;
 mod watch;
 
 pub use crate::analysis::models_compared::{ComparedCondition, ComparedModel};
+pub use crate::diagnose::Draws;
 pub use crate::numerics::global::methods;
 pub use crate::numerics::interrupt::Interrupt;
 pub use campaign::context::{CODE_VERSION, Context};

@@ -312,7 +312,7 @@ pub fn not_ours(campaign: &Path) -> Result<Option<String>, PipelineError> {
 /// Whether a report without a list of its files is one that an earlier version wrote: it carries the stamp, has the
 /// names that reports ever had and nothing else, and every page begins as the layout does.
 fn is_of_earlier_version(folder: &Path) -> bool {
-    const BESIDE_PAGES: [&str; 10] = [
+    const BESIDE_PAGES: [&str; 11] = [
         STAMP,
         kept::FILE,
         report::moved::FILE,
@@ -321,6 +321,7 @@ fn is_of_earlier_version(folder: &Path) -> bool {
         "site.js",
         "runs.js",
         "table5.csv",
+        "fits-wide.csv",
         "conditions.csv",
         "dma.csv",
     ];
