@@ -10,7 +10,7 @@ use ieap_show::quantities::{MATERIAL, Quantity};
 use ieap_show::{Block, Chart, Column, Ink, Layer, Mark, Panel, Range, Sheet, Table, Value};
 
 use super::answer::{Answer, InScope, Kind, Point, Scale, Verdict};
-use super::grammar::{Standing, adverb, in_short, in_strips, untold};
+use super::grammar::{Standing, UNTOLD, adverb, in_short, in_strips, untold};
 use super::made::Study;
 use super::measures::BENDING_PER_VOLT;
 use super::odd::odd_runs;
@@ -145,7 +145,7 @@ fn table_with<'a>(
 fn unit(own: &&Answer) -> String {
     match (own.scale, own.unit()) {
         (Scale::Ratio, _) => "times".to_owned(),
-        (Scale::OfRange, _) => "% of its range".to_owned(),
+        (Scale::OfRange, _) => "% of range".to_owned(),
         (Scale::Points, _) if !own.kind.is_law() => "points".to_owned(),
         (Scale::Points, "") => "points for one more".to_owned(),
         (Scale::Points, unit) => format!("points per {unit}"),
@@ -181,6 +181,8 @@ fn shown_in_words(answer: &Answer) -> String {
         }
         Standing::Alike => "does not change".to_owned(),
         Standing::Bound => in_short(answer).to_owned(),
+        // How many strips there are stands once, above.
+        Standing::Open if answer.reason.is_none() => UNTOLD.to_owned(),
         Standing::Open => untold(answer),
     }
 }
