@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use crate::campaign::{CampaignFolder, Ended, ieap, run_table};
 
 /// Keywords of JSON Schema that schemas here use: all of them are understood below, so that none passes unseen.
-const KEYWORDS: [&str; 18] = [
+const KEYWORDS: [&str; 19] = [
     "$schema",
     "$id",
     "$defs",
@@ -22,6 +22,7 @@ const KEYWORDS: [&str; 18] = [
     "minItems",
     "maxItems",
     "minimum",
+    "maximum",
     "enum",
     "const",
     "anyOf",
@@ -178,6 +179,14 @@ impl Held<'_> {
         {
             found.push(format!("{place}: {value} is below {}", schema["minimum"]));
         }
+        let most = schema["maximum"].as_f64();
+        if value
+            .as_f64()
+            .zip(most)
+            .is_some_and(|(number, most)| number > most)
+        {
+            found.push(format!("{place}: {value} is above {}", schema["maximum"]));
+        }
         match value {
             Value::Object(object) => self.object(schema, object, place, found),
             Value::Array(items) => self.array(schema, items, place, found),
@@ -298,10 +307,11 @@ fn a_document_that_is_not_as_its_schema_says_is_noticed() {
     let issue = |severity: &str, line: i32| serde_json::json!({"severity": severity, "line": line});
     let schema = serde_json::json!({"properties": {
         "severity": {"oneOf": [{"type": "string", "const": "note"}, {"type": "string", "const": "error"}]},
-        "line": {"type": "integer", "minimum": 0},
+        "line": {"type": "integer", "minimum": 0, "maximum": 9},
     }});
     assert_eq!(faults(&schema, &issue("note", 0)), Vec::<String>::new());
     assert_eq!(faults(&schema, &issue("grave", -1)).len(), 2);
+    assert_eq!(faults(&schema, &issue("note", 10)).len(), 1);
 }
 
 /// Names of documents that stand in the code: `"ieap/fits/1"`.
