@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Style, Xls, Xlsx};
+use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Style, Xls, Xlsx, XlsxError};
 
 use super::error::{ReadError, escaped};
 use super::{compound, unpacking, workbook_parts, xls_extent};
@@ -237,7 +237,8 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
         }
         drop(reader);
         if shows_percent.contains(&true) {
-            as_shown(&mut book, &name, &shows_percent, &mut rows);
+            let shown = as_shown(&mut book, &name, &shows_percent, &mut rows);
+            shown.map_err(|error| broken("spreadsheet (.xlsx)", &error))?;
         }
         let mut sheet = finish(name, rows);
         sheet.formulas_without_value = first_uncomputed(uncomputed);
@@ -260,12 +261,15 @@ fn shows_percent(style: &Style) -> bool {
 }
 
 /// Makes numbers that are shown in percent what their author sees.
-fn as_shown(book: &mut Xlsx<Counted<'_>>, name: &str, shows_percent: &[bool], rows: &mut [SheetRow]) {
+fn as_shown(
+    book: &mut Xlsx<Counted<'_>>,
+    name: &str,
+    shows_percent: &[bool],
+    rows: &mut [SheetRow],
+) -> Result<(), XlsxError> {
     let mut places = BTreeSet::new();
-    let Ok(mut reader) = book.worksheet_cells_reader(name) else {
-        return;
-    };
-    while let Ok(Some((row, column, style))) = reader.next_style_id() {
+    let mut reader = book.worksheet_cells_reader(name)?;
+    while let Some((row, column, style)) = reader.next_style_id()? {
         if shows_percent[style] {
             places.insert((row.saturating_add(1), column));
         }
@@ -280,6 +284,7 @@ fn as_shown(book: &mut Xlsx<Counted<'_>>, name: &str, shows_percent: &[bool], ro
             }
         }
     }
+    Ok(())
 }
 
 /// Formulas whose cells hold no value, their number and the first: programs that write workbooks leave the computing to the
