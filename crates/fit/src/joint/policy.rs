@@ -74,6 +74,6 @@ pub(super) const LARGEST_SLOW_RATIO: f64 = 9.0;
 /// How likely a kind of slow noise is before any run, in that of white noise alone: all eight sizes of a form together as likely.
 pub(crate) const PRIOR_OF_SLOW_KIND: f64 = 0.125;
 /// Part of the runs whose noise is not that of their instrument: a warm lamp, a door. Chosen; with 0.02 and 0.3 the intervals of
-/// 12 runs of an instrument hold as often within 1 %, and are 0.9 and 1.2 times as wide under white noise
+/// 12 runs of an instrument hold as often within 1.2 %, and are 0.9 and 1.1 times as wide under white noise
 /// (`cargo run --release -p ieap-fit --example noises -- 120 77 4 600 12`).
 pub(crate) const NOISE_OF_ITS_OWN: f64 = 0.1;
