@@ -1,6 +1,5 @@
 //! Where everything printed goes through: results to stdout, messages and progress to stderr.
 
-use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -84,8 +83,8 @@ impl Output {
     pub fn result(&self, text: &str) {
         if !self.json {
             let text = printable(text);
-            self.log(&text);
-            self.write(format!("{}\n", self.timed(&text)).as_bytes());
+            let time = self.logged(&text);
+            self.write(format!("{time}{text}\n").as_bytes());
         }
     }
 
@@ -93,9 +92,9 @@ impl Output {
     pub fn heading(&self, text: &str) {
         if !self.json {
             let text = printable(text);
-            self.log(&text);
+            let time = self.logged(&text);
             let text = colour::painted(&text, Ink::Heading, self.colours_stdout);
-            self.write(format!("{}\n", self.timed(&text)).as_bytes());
+            self.write(format!("{time}{text}\n").as_bytes());
         }
     }
 
@@ -109,27 +108,27 @@ impl Output {
         let _ = self.log.set(Mutex::new(file));
     }
 
-    fn log(&self, text: &str) {
-        let Some(Ok(mut log)) = self.log.get().map(Mutex::lock) else {
-            return;
-        };
-        if let Err(error) = log.line(&self.timed(text)) {
+    /// Writes a line into the log, where there is one; gives what stands before it there and wherever else it is shown:
+    /// one line has one time.
+    fn logged(&self, text: &str) -> String {
+        let time = self.time_before(text);
+        let log = self.log.get().map(Mutex::lock);
+        if let Some(Ok(mut log)) = log
+            && let Err(error) = log.line(&format!("{time}{text}"))
+        {
             to_stderr(&format!("error: the log cannot be written: {error}"));
         }
+        time
     }
 
-    /// `text` with the time before it, where lines have one.
-    fn timed<'a>(&self, text: &'a str) -> Cow<'a, str> {
+    /// The time with a space behind it, where lines have one.
+    fn time_before(&self, text: &str) -> String {
         let now = || Timestamp::try_from(crate::system::now()).ok();
         match (self.clock.get(), text) {
-            (None, _) | (_, "") => text.into(),
-            (Some(clock), _) => match now() {
-                Some(now) => {
-                    let shown = now.to_zoned(clock.clone()).strftime(LOG_TIME).to_string();
-                    format!("{shown} {text}").into()
-                }
-                None => text.into(),
-            },
+            (None, _) | (_, "") => String::new(),
+            (Some(clock), _) => now().map_or_else(String::new, |now| {
+                format!("{} ", now.to_zoned(clock.clone()).strftime(LOG_TIME))
+            }),
         }
     }
 
@@ -285,9 +284,8 @@ impl Output {
 
     fn line(&self, text: &str) {
         let text = printable(text);
-        self.log(&text);
-        let text = colour::first_word(&text, self.colours_stderr);
-        let text = self.timed(&text);
+        let time = self.logged(&text);
+        let text = format!("{time}{}", colour::first_word(&text, self.colours_stderr));
         let bar = self.bar.lock().ok().and_then(|bar| bar.clone());
         match bar {
             Some(bar) => bar.suspend(|| to_stderr(&text)),
