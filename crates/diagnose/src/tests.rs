@@ -5,6 +5,7 @@ mod edge_responses;
 mod laboratory;
 mod missing;
 mod moving;
+mod nested;
 mod noise;
 mod one_fit;
 mod predicted;

@@ -33,12 +33,14 @@ impl<'a, 'g> ExtendedStart<'a, 'g> {
     /// The model with one more effect, searched from a strength of so many times its probe's.
     ///
     /// Where a refit takes up nearly all of an effect, its strength alone lies far up the wall of a valley: the search
-    /// begins at the best of some places on the valley's floor, where the other parameters have made room.
+    /// begins at the best of some places on the valley's floor, where the other parameters have made room; of the current model
+    /// itself where all of them are worse, so that what it is extended by never costs anything.
     pub(crate) fn extended(&self, signature: &Signature, strength: f64) -> Option<Fitted<'g>> {
         let problem = self.current.problem.with(signature.free_effect());
         let alone = self.start(signature, strength, None);
         let room = self.room(signature, strength);
         let mut starts = vec![alone];
+        starts.extend(self.itself(signature));
         starts.extend(PARTS.iter().map(|part| {
             let shift: Vec<f64> = room.iter().map(|shift| part * shift).collect();
             self.start(signature, part * strength, Some(&shift))
@@ -50,6 +52,16 @@ impl<'a, 'g> ExtendedStart<'a, 'g> {
             .min_by(|a, b| a.0.total_cmp(&b.0))?
             .1;
         Fitted::search(problem, &[start], &self.columns)
+    }
+
+    /// The current model with the effect absent; none where the effect has no strength that could be.
+    fn itself(&self, signature: &Signature) -> Option<Vec<f64>> {
+        let strength = signature.limits[0];
+        let mut absent = signature.probe.clone();
+        absent[0] = signature.absent.clamp(strength.low, strength.high);
+        let mut start = self.current.at.clone();
+        start.extend(signature.free_effect().coordinates(&absent));
+        (!strength.held).then_some(start)
     }
 
     fn start(&self, signature: &Signature, strength: f64, shift: Option<&[f64]>) -> Vec<f64> {

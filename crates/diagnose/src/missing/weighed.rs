@@ -300,7 +300,7 @@ fn refit<'g>(
     let best = [1.0, 0.3, 0.0]
         .map(start)
         .into_iter()
-        .map(|start| (problem.square(&start), start))
+        .map(|start| (problem.square(&start) + problem.penalty(&start), start))
         .filter(|(square, _)| square.is_finite())
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     Fitted::along(problem, &best.1, &columns)

@@ -43,6 +43,9 @@ const APART: f64 = 1.1;
 const SLOWEST: f64 = 0.05;
 const FASTEST: f64 = 12.0;
 
+/// Exponents that are sought: nearer to 0 the current is a leak's, nearer to 1 its charge has no end.
+const EXPONENTS: (f64, f64) = (0.02, 0.98);
+
 /// The gamma function of a positive number, by Stirling's series farther up.
 fn gamma(n: f64) -> f64 {
     let z = n + 8.0;
@@ -78,12 +81,15 @@ impl Equation for ConstantPhase {
             return Search::none();
         }
         let most = scale.current_a / (scale.area_cm2 * scale.voltage_v);
-        let limits = vec![Limits::linear(0.0, most), Limits::linear(0.1, 0.9)];
+        let limits = vec![
+            Limits::linear(0.0, most),
+            Limits::linear(EXPONENTS.0, EXPONENTS.1),
+        ];
         Search::over(0.003 * most, limits, &[vec![0.25, 0.7]])
     }
 
     fn apply(&self, variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
-        let [k, exponent] = [parameters[0], parameters[1].clamp(0.02, 0.98)];
+        let [k, exponent] = [parameters[0], parameters[1].clamp(EXPONENTS.0, EXPONENTS.1)];
         let run_s = (run.duration_s - run.start_s()).max(f64::MIN_POSITIVE);
         let soonest_s = SOONEST_S.min(SOONEST_OF_RUN * run_s);
         if variant == 2 {
