@@ -71,7 +71,7 @@ fn a_misfit_below_what_is_tolerated_is_right() {
 
 /// Steps of a strip that leaks above 1.2 V, to voltages of which others lie on both sides.
 fn leaky() -> Runs {
-    const VOLTS: [[(f64, f64); 1]; 6] = [
+    static VOLTS: [[(f64, f64); 1]; 6] = [
         [(0.0, 0.8)],
         [(0.0, 1.2)],
         [(0.0, 1.4)],

@@ -75,8 +75,8 @@ fn log_odds(before: &[Part], after: &[Part]) -> f64 {
 }
 
 impl HeldOut {
-    /// Logarithm of the odds of a law of that variable: on the drives that others lie on both sides of, or, where there are none, on the later
-    /// part of every run. Beyond what the others measured no law is known, and none is judged there.
+    /// Logarithm of the odds of a law of that variable: on the drives that others lie on both sides of, or, where there are none,
+    /// on the later part of every run. Beyond what the others measured no law is known, and none is judged there.
     pub(crate) fn log_odds(
         &self,
         group: &RunGroup,
