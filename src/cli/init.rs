@@ -1,6 +1,7 @@
 //! `ieap init`.
 
 use crate::domain::words::counted;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -132,6 +133,50 @@ fn print(args: &InitArgs, proposed: &Proposed, output: &Output) {
     }
 }
 
+/// Files of one kind of which the same is said, from which on only the first are shown. Chosen: a screen has some forty lines.
+const SHOWN_OF_A_KIND: usize = 3;
+
+/// Rows, those of files of one kind together: of many alike the first, and how many more there are.
+fn together(rows: Vec<[String; 7]>) -> Vec<[String; 7]> {
+    const FEW: usize = 24;
+    if rows.len() <= FEW {
+        return rows;
+    }
+    let without_digits = |text: &str| -> String { text.chars().filter(|c| !c.is_ascii_digit()).collect() };
+    // Names of partners differ from file to file, and so do lines and numbers in what is said.
+    let kind = |row: &[String; 7]| {
+        let folder = row[0]
+            .rsplit_once('/')
+            .map_or("", |(folder, _)| folder)
+            .to_owned();
+        let said = row[6].split("; ").map(|said| match said.split_once("with ") {
+            Some(("", _)) => "with".to_owned(),
+            _ => without_digits(said),
+        });
+        (folder, row[1].clone(), row[2].clone(), said.collect::<Vec<_>>())
+    };
+    let mut counts: BTreeMap<_, usize> = BTreeMap::new();
+    rows.iter()
+        .for_each(|row| *counts.entry(kind(row)).or_insert(0) += 1);
+    let mut met: BTreeMap<_, usize> = BTreeMap::new();
+    let mut shown = Vec::new();
+    for row in rows {
+        let own = kind(&row);
+        let count = counts.get(&own).copied().unwrap_or(0);
+        let met = met.entry(own).or_insert(0);
+        *met += 1;
+        if *met <= SHOWN_OF_A_KIND || count == SHOWN_OF_A_KIND + 1 {
+            shown.push(row);
+        } else if *met == count {
+            let more = format!("... and {} more like it", count - SHOWN_OF_A_KIND);
+            let mut said = std::array::from_fn(|_| String::new());
+            said[0] = more;
+            shown.push(said);
+        }
+    }
+    shown
+}
+
 /// One line a file: what it is taken for, what its name says, and what is missing.
 fn table(files: &[PlannedFile], lone_halves: &[LoneHalf], output: &Output) {
     let head = [
@@ -172,6 +217,7 @@ fn table(files: &[PlannedFile], lone_halves: &[LoneHalf], output: &Output) {
             told.join("; "),
         ]);
     }
+    let rows = together(rows);
     // A name of a file may hold anything.
     let rows: Vec<[String; 7]> = rows
         .into_iter()

@@ -90,7 +90,7 @@ fn the_model_that_made_the_runs_is_named_and_stored() {
     assert!(
         explained
             .stdout
-            .contains("result: comparison of lumped-2 v10, bao-two-way v5, maxwell v5"),
+            .contains("result: comparison of lumped-2 v11, bao-two-way v6, maxwell v6"),
         "{explained:#?}"
     );
     assert!(table.stdout.contains("CNaf,air,bao-two-way"), "{table:#?}");

@@ -13,6 +13,13 @@ use ieap_domain::{Campaign, Drive, RunRecord};
 /// clusters of the measured values, not a grid.
 pub const HUMIDITY_GAP_PERCENT: f64 = 5.0;
 
+/// A level is no wider than this, percentage points: where humidities follow each other without gaps it is cut into equal parts.
+/// Chosen: twice what the one air condition of the thesis spans.
+const WIDEST_LEVEL_PERCENT: f64 = 20.0;
+
+/// A humidity is known to this, percentage points: what makers of capacitive sensors state.
+pub const HUMIDITY_KNOWN_TO_PERCENT: f64 = 2.0;
+
 /// Voltages that agree when rounded to this step (V) are one condition: a measured level is never quite 2.5 V.
 pub const VOLTAGE_STEP_V: f64 = 0.01;
 
@@ -95,6 +102,19 @@ pub struct Conditions {
 }
 
 impl Conditions {
+    /// Whether the humidity of an environment was varied: by more than both ends are known to, whatever levels it falls into.
+    pub fn varies_humidity(&self, environment: &str) -> bool {
+        let own = self
+            .surroundings
+            .iter()
+            .filter(|own| own.environment == environment);
+        let levels: Vec<HumidityLevel> = own.filter_map(|own| own.humidity).collect();
+        let low = levels.iter().map(|own| own.low_percent).reduce(f64::min);
+        let high = levels.iter().map(|own| own.high_percent).reduce(f64::max);
+        low.zip(high)
+            .is_some_and(|(low, high)| high - low > 2.0 * HUMIDITY_KNOWN_TO_PERCENT)
+    }
+
     /// The condition at these indices, if it was measured.
     pub fn at(&self, material: usize, surroundings: usize, voltage: usize) -> Option<&Condition> {
         self.measured.iter().find(|condition| {
@@ -141,15 +161,6 @@ pub fn nominal_voltage_v(run: &RunRecord) -> Option<f64> {
     }
     run.tag_number(keys::VOLTAGE_V)
         .or_else(|| run.drive.as_ref().map(|drive| drive.nominal_step_v()))
-}
-
-/// Levels among some humidities, percent.
-pub fn count_levels(mut all: Vec<f64>) -> usize {
-    all.sort_by(f64::total_cmp);
-    let gaps = all
-        .windows(2)
-        .filter(|pair| pair[1] - pair[0] > HUMIDITY_GAP_PERCENT);
-    gaps.count() + usize::from(!all.is_empty())
 }
 
 /// `2.0`, and `1.25` where one decimal does not tell it.
@@ -276,6 +287,7 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
     stated.sort_by(f64::total_cmp);
     let mut levels: Vec<Option<HumidityLevel>> = stated
         .chunk_by(|a, b| b - a <= HUMIDITY_GAP_PERCENT)
+        .flat_map(narrow)
         .map(|cluster| {
             Some(HumidityLevel {
                 low_percent: cluster[0],
@@ -293,6 +305,14 @@ fn levels(places: &[Place], environment: String) -> Vec<Surroundings> {
         humidity_varies,
     };
     levels.into_iter().map(surroundings).collect()
+}
+
+/// A cluster as levels that are not too wide.
+fn narrow(cluster: &[f64]) -> impl Iterator<Item = &[f64]> {
+    let (low, width) = (cluster[0], cluster[cluster.len() - 1] - cluster[0]);
+    let parts = (width / WIDEST_LEVEL_PERCENT).ceil().max(1.0);
+    let part = move |own: f64| ((own - low) / width * parts).min(parts - 1.0) as usize;
+    cluster.chunk_by(move |a, b| part(*a) == part(*b))
 }
 
 impl Surroundings {
@@ -444,6 +464,21 @@ mod tests {
             .collect();
         assert_eq!(levels, [(28.0, 38.0), (60.0, 61.0)]);
         assert!(table.surroundings.iter().all(|s| s.humidity_varies));
+    }
+
+    #[test]
+    fn humidities_without_gaps_are_levels_too_and_were_varied() {
+        let of = |all: Vec<f64>| {
+            let runs: Vec<RunRecord> = (all.iter())
+                .map(|&rh| run("r", "CNaf-01", "air", Some(rh), 2.0))
+                .collect();
+            conditions(&runs, &campaign())
+        };
+        let close = of((0..12).map(|k| 20.0 + 4.0 * f64::from(k)).collect());
+        assert_eq!(close.surroundings.len(), 3, "{:?}", close.surroundings);
+        assert!(close.varies_humidity("air") && !close.varies_humidity("vacuum"));
+        assert!(of(vec![30.0, 33.0, 38.0]).varies_humidity("air"));
+        assert!(!of(vec![30.0, 33.0]).varies_humidity("air"));
     }
 
     #[test]

@@ -9,8 +9,8 @@ string_enum! {
     /// By what two files are taken for one run.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
     pub enum PairedBy {
-        /// A `[[pair]]` of campaign.toml.
-        Rule = "rule" => "a [[pair]] of campaign.toml",
+        /// A `[[pair]]` of campaign.toml, or a row of a run sheet that names both.
+        Rule = "rule" => "a [[pair]] of campaign.toml, or a row of a run sheet",
         /// The words of their names.
         Names = "names" => "the words of their names",
         /// They overlap in time, and no other file does.

@@ -62,7 +62,7 @@ pub use group::{
 
 pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
-pub use options::{FitInput, FitOptions, Steps};
+pub use options::{FitInput, FitOptions, NoiseBy, Steps};
 pub use outliers::{
     Cleaned, FEWEST_FOR_SPREAD, READINGS_AFTER_EDGE, READINGS_BEFORE_EDGE, READINGS_OF_SURROUNDINGS,
     left_out_in_words, without_outliers,

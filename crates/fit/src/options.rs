@@ -34,6 +34,20 @@ pub struct FitOptions {
     pub whole_curves: bool,
     /// How current and curvature are brought together.
     pub steps: Steps,
+    /// What the noise that weighs the readings is told from.
+    pub noise: NoiseBy,
+}
+
+/// What the noise of a run is told from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoiseBy {
+    /// What the fit leaves, as a memory from reading to reading.
+    #[default]
+    Memory,
+    /// Every kind of slow noise, asked beside the parameters: intervals hold under red noise, 1/f, walks and lines, too. Of a run
+    /// alone they are up to twice as wide under white noise, until what an instrument's runs tell of its noise is stored; so it is
+    /// not the default. `cargo run --release -p ieap-fit --example noises` counts.
+    Kinds,
 }
 
 /// How current and curvature are brought together.
@@ -57,6 +71,7 @@ impl Default for FitOptions {
             method: Search::default().method,
             seed: Search::default().seed,
             steps: Steps::TwoStep,
+            noise: NoiseBy::Memory,
             describes_noise: false,
             whole_curves: false,
         }

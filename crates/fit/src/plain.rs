@@ -4,12 +4,16 @@
 use ieap_domain::Fit;
 use ieap_model::rival_law;
 
+use crate::bending::Bending;
+use crate::electrical::Electrical;
 use crate::joint::policy::MISFIT_FACTOR;
 use crate::joint::readings::{Response, RunReadings};
 use crate::joint::single::{self, Judged};
-use crate::options::{FitInput, FitOptions};
+use crate::joint::start::Start;
+use crate::options::{FitInput, FitOptions, NoiseBy};
 use crate::sampled::Sampled;
 use crate::two_steps::{Identified, OfStep, Readings, identify, needed};
+use crate::uncertainty::Residuals;
 use crate::{bending_alone, law, outcome, parabola, unseen_charge};
 
 /// A run in two steps, of its bending alone, or by the law of a rival, for its estimates and no further; none where there is
@@ -43,6 +47,9 @@ pub(crate) fn judge(input: &FitInput, options: &FitOptions, identified: &mut Ide
     }
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
+    if options.noise == NoiseBy::Kinds && !electrical.conductances_a_per_v.is_empty() {
+        return by_kinds(input, branches, (current, electrical), bending);
+    }
     let settled = parabola::is_settled(electrical, bending.map(|(_, bending)| bending), branches);
     let parabolic = settled && parabola::is_narrow(electrical);
     let even = current.is_even() && bending.is_none_or(|(curvature, _)| curvature.is_even());
@@ -76,6 +83,37 @@ pub(crate) fn judge(input: &FitInput, options: &FitOptions, identified: &mut Ide
         branches,
         parabolic,
     )
+}
+
+/// The same, weighted by noise of every kind that the readings allow.
+fn by_kinds(
+    input: &FitInput,
+    branches: usize,
+    (current, electrical): (&Sampled, &Electrical),
+    bending: Option<&(Sampled, Bending)>,
+) -> Option<Judged> {
+    let mut start = Start::of(electrical, electrical.conductances_a_per_v.len());
+    if let Some((_, bending)) = bending {
+        start = start.with_bending(bending);
+    }
+    let response = |sampled: &Sampled, residuals: &Residuals, bends: bool| {
+        let left = &residuals.residuals;
+        let columns = |time_s: &[f64]| start.columns(input.drive, input.area_cm2, bends, time_s);
+        Response::beside_fit(sampled.clone(), left).with_kinds(left, columns)
+    };
+    let readings = RunReadings {
+        drive: input.drive,
+        area_cm2: input.area_cm2,
+        current: Some(response(current, &electrical.residuals, false)?),
+        curvature: match bending {
+            Some((curvature, bending)) => Some(response(curvature, &bending.residuals, true)?),
+            None => None,
+        },
+    };
+    let bending = bending.map(|(_, bending)| bending);
+    let settled = parabola::is_settled(electrical, bending, branches);
+    let narrow = settled.then(|| single::narrow(&readings, &start)).flatten();
+    narrow.or_else(|| single::judge(&readings, electrical, bending, branches, false))
 }
 
 /// Whether the model plainly does not describe the readings. A likelihood that knows noise only would then state

@@ -4,6 +4,7 @@ use jiff::civil::DateTime;
 
 use super::formats::climate::meaning::{ClimateColumn, climate_column};
 use super::formats::error::quoted;
+use super::formats::no_reading;
 use super::formats::plausible::is_impossible;
 use super::formats::probe_table;
 use super::{Reading, RunTable, probe_log};
@@ -190,7 +191,9 @@ fn series_of(channel: &Channel, base: &str) -> Option<(Series, Option<Issue>)> {
         _ => channel.values.to_vec(),
     };
     let of_air = column.as_ref().map_or(channel.quantity, |column| column.quantity);
-    let is_measured = |(raw, value): (&f64, &f64)| !is_impossible(of_air, *raw, *value);
+    let codes = no_reading::codes(of_air, &channel.values);
+    let is_measured =
+        |(raw, value): (&f64, &f64)| !is_impossible(of_air, *raw, *value) && !codes.contains(&raw.to_bits());
     let kept: Vec<bool> = channel.values.iter().zip(&values).map(is_measured).collect();
     let only = |numbers: &[f64]| -> Vec<f64> {
         numbers

@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use ieap_domain::{Channel, Quantity};
+use ieap_domain::{Channel, Drive, Quantity};
+use ieap_numerics::robust::median;
 
 /// The channels of the strip as a whole, with a curvature added where none was measured:
 /// - from the tip displacement, kappa = 2 d / (L^2 + d^2), equation \[3\] of the thesis, for a strip of free
-///   length `length_cm`;
+///   length `length_cm`; d counts from where the tip stood at rest ([`rest_mm`]), for the zero of a displacement sensor is
+///   arbitrary and the formula is not linear: a zero that is off would bend the scale;
 /// - else the mean of the curvatures measured along the strip, where they were sampled together.
 ///
 /// Without a length, or with curvatures of different times, nothing is added.
-pub fn responses(channels: &[Channel], length_cm: Option<f64>) -> Vec<Channel> {
+pub fn responses(channels: &[Channel], length_cm: Option<f64>, drive: Option<&Drive>) -> Vec<Channel> {
     let whole = |channel: &&Channel| channel.position_mm.is_none();
     let mut all: Vec<Channel> = channels.iter().filter(whole).cloned().collect();
     if all.iter().any(|c| c.is_whole(Quantity::Curvature)) {
@@ -19,16 +21,29 @@ pub fn responses(channels: &[Channel], length_cm: Option<f64>) -> Vec<Channel> {
     let tip = all.iter().find(|c| c.is_whole(Quantity::TipDisplacement));
     let from_tip = tip
         .zip(length_cm)
-        .map(|(tip, length_cm)| curvature_of_tip(tip, length_cm));
+        .map(|(tip, length_cm)| curvature_of_tip(tip, length_cm, drive));
     all.extend(from_tip.or_else(|| mean_curvature(channels)));
     all
 }
 
-fn curvature_of_tip(tip: &Channel, length_cm: f64) -> Channel {
-    let curvature = |d_mm: &f64| {
-        let d_cm = d_mm / 10.0;
-        2.0 * d_cm / (length_cm * length_cm + d_cm * d_cm)
-    };
+/// Where the tip of a strip without voltage stood before the first edge, mm: the median of the readings there, which neither an
+/// outlier moves nor a clock that reads the edge a little late. None where the record begins under voltage, or with it.
+pub fn rest_mm(tip: &Channel, drive: &Drive) -> Option<f64> {
+    let edge = drive.segments.first()?.edge;
+    let (time_s, values) = tip.included();
+    let before = time_s.partition_point(|&t| t <= edge.no_earlier_s && t < edge.no_later_s);
+    median(&values[..before]).filter(|_| drive.baseline_v == 0.0)
+}
+
+/// Curvature, 1/cm, of a strip of that free length whose tip is seen so far aside (equation \[3\] of the thesis).
+pub fn curvature_of_displacement(displacement_mm: f64, length_cm: f64) -> f64 {
+    let d_cm = displacement_mm / 10.0;
+    2.0 * d_cm / (length_cm * length_cm + d_cm * d_cm)
+}
+
+fn curvature_of_tip(tip: &Channel, length_cm: f64, drive: Option<&Drive>) -> Channel {
+    let zero_mm = drive.and_then(|drive| rest_mm(tip, drive)).unwrap_or(0.0);
+    let curvature = |d_mm: &f64| curvature_of_displacement(d_mm - zero_mm, length_cm);
     let values: Arc<[f64]> = tip.values.iter().map(curvature).collect();
     Channel {
         quantity: Quantity::Curvature,
@@ -68,10 +83,10 @@ mod tests {
             Arc::from([0.0, 1.0]),
             Arc::from([0.0, 5.0]),
         );
-        let all = responses(std::slice::from_ref(&tip), Some(0.5));
+        let all = responses(std::slice::from_ref(&tip), Some(0.5), None);
         assert_eq!(all[1].quantity, Quantity::Curvature);
         assert!((all[1].values[1] - 2.0).abs() < 1e-12);
-        assert_eq!(responses(&[tip], None).len(), 1);
+        assert_eq!(responses(&[tip], None, None).len(), 1);
     }
 
     #[test]
@@ -80,11 +95,11 @@ mod tests {
             position_mm: Some(position_mm),
             ..Channel::new(Quantity::Curvature, Arc::from([0.0, 1.0]), Arc::from(values))
         };
-        let all = responses(&[at(1.0, [1.0, 3.0]), at(2.0, [2.0, 5.0])], None);
+        let all = responses(&[at(1.0, [1.0, 3.0]), at(2.0, [2.0, 5.0])], None, None);
         assert_eq!(all.len(), 1);
         assert_eq!((&all[0].values[..], all[0].position_mm), (&[1.5, 4.0][..], None));
         let mut later = at(3.0, [0.0, 0.0]);
         later.time_s = Arc::from([0.0, 1.5]);
-        assert!(responses(&[at(1.0, [1.0, 3.0]), later], None).is_empty());
+        assert!(responses(&[at(1.0, [1.0, 3.0]), later], None, None).is_empty());
     }
 }

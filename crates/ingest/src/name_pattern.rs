@@ -10,8 +10,8 @@ use ieap_domain::surroundings::id_of_word;
 use ieap_domain::tag::keys;
 
 pub(crate) use number::number as number_of_name;
-pub use propose::{ProposedPattern, environment_of, explained, propose, tags_of_name};
-pub use words::parts_of_name;
+pub use propose::{ProposedPattern, explained, propose, tags_of_name};
+pub use words::{NoSurroundings, parts_of_name};
 
 /// Why a name pattern cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

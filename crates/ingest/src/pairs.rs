@@ -4,27 +4,20 @@
 //! of their names, by their times, in this order. A way that leaves two partners for one file pairs neither: it is said
 //! instead, as is a half without a partner.
 
+mod clocks;
+mod half;
 mod names;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::name_pattern::{KnownIds, NameMatch, NamePattern};
+use crate::name_pattern::{KnownIds, NameMatch, NamePattern, NoSurroundings};
+pub use half::Half;
+
 use crate::{StartedAt, Timestamp};
 use ieap_domain::Quantity;
 use ieap_domain::pairs::{HalfKind, LoneHalf, Pair, PairNames, PairRules, PairedBy};
-
-/// A file that holds half of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Half {
-    /// Its path relative to the campaign, with `/`.
-    pub path: String,
-    /// What it holds.
-    pub kind: HalfKind,
-    /// When it began and ended, s since 1970, as far as its clock tells: of two files without a zone both are read as UTC.
-    pub window_s: Option<(f64, f64)>,
-}
 
 /// What becomes of halves.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -71,20 +64,33 @@ fn seconds_of_offset(offset: &str) -> Option<f64> {
     Some(-moment.as_duration().as_secs_f64())
 }
 
-/// Pairs halves. `runs_folder` is what rules are relative to.
-pub fn pair(halves: &[Half], rules: &PairRules, runs_folder: &str) -> Paired {
+/// Pairs halves. `runs_folder` is what rules are relative to, and `rows` are names of files, without their endings, that stand in
+/// one row of a run sheet.
+pub fn pair(halves: &[Half], rules: &PairRules, runs_folder: &str, rows: &[(String, String)]) -> Paired {
     let mut open = Open::of(halves);
+    let none = names::no_surroundings(halves);
+    let by_clocks = clocks::together(halves, &open.electrical, &open.bending);
     let mut pairs: Vec<(usize, usize, PairedBy)> = Vec::new();
     for rule in &rules.named {
         let found = by_rule(halves, &open, rule, runs_folder);
         open.take(&found, PairedBy::Rule, &mut pairs);
     }
+    let of_rows = by_rows(halves, &open, rows);
+    open.take(&of_rows, PairedBy::Rule, &mut pairs);
     for way in &rules.by {
-        let found = match way {
+        let mut found = match way {
             PairedBy::Rule => continue,
-            PairedBy::Names => names::pairs(halves, &open.electrical, &open.bending),
-            PairedBy::Times => by_times(halves, &open),
+            PairedBy::Names => names::pairs(halves, &open.electrical, &open.bending, &none),
+            PairedBy::Times => by_times(halves, &open, &none),
         };
+        if let Some(clocks) = &by_clocks {
+            // What the clocks of the whole folder say of two files outweighs a number in their names.
+            found.retain(|pair| !clocks.contradicts(pair));
+            if *way == PairedBy::Times {
+                open.take(&found, *way, &mut pairs);
+                found = clocks.pairs_among(&open.electrical, &open.bending);
+            }
+        }
         open.take(&found, *way, &mut pairs);
     }
     pairs.sort_unstable();
@@ -98,7 +104,7 @@ pub fn pair(halves: &[Half], rules: &PairRules, runs_folder: &str) -> Paired {
     let waits = |at: usize| LoneHalf {
         path: halves[at].path.clone(),
         holds: halves[at].kind,
-        waits_for: names::partner_of(halves, at, &pairs),
+        waits_for: names::partner_of(halves, at, &pairs, &none),
     };
     Paired {
         pairs: pairs.iter().map(of).collect(),
@@ -200,11 +206,30 @@ fn by_rule(halves: &[Half], open: &Open, rule: &PairNames, runs_folder: &str) ->
     )
 }
 
+/// Pairs whose two names stand in one row of a run sheet, where one file of each kind has such a name.
+fn by_rows(halves: &[Half], open: &Open, rows: &[(String, String)]) -> Vec<(usize, usize)> {
+    let stem = |at: usize| {
+        let name = halves[at].path.rsplit('/').next().unwrap_or(&halves[at].path);
+        name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+    };
+    let only = |among: &[usize], one: &str, other: &str| {
+        let mut found = among
+            .iter()
+            .copied()
+            .filter(|at| stem(*at) == one || stem(*at) == other);
+        found.next().filter(|_| found.next().is_none())
+    };
+    let pair = |(one, other): &(String, String)| {
+        only(&open.electrical, one, other).zip(only(&open.bending, one, other))
+    };
+    rows.iter().filter_map(pair).collect()
+}
+
 /// Part of the shorter record for which two must run together to be one.
 const TOGETHER: f64 = 0.5;
 
 /// Pairs of halves that run together, where neither runs together with another one and their names do not contradict.
-fn by_times(halves: &[Half], open: &Open) -> Vec<(usize, usize)> {
+fn by_times(halves: &[Half], open: &Open, none: &NoSurroundings) -> Vec<(usize, usize)> {
     let run_together = |a: usize, b: usize| {
         let Some((a, b)) = halves[a].window_s.zip(halves[b].window_s) else {
             return false;
@@ -219,7 +244,7 @@ fn by_times(halves: &[Half], open: &Open) -> Vec<(usize, usize)> {
     let pairs = open.electrical.iter().filter_map(|&e| {
         let b = only(e, &open.bending)?;
         let is_mutual = only(b, &open.electrical) == Some(e);
-        (is_mutual && !names::contradict(&halves[e].path, &halves[b].path)).then_some((e, b))
+        (is_mutual && !names::contradict(&halves[e].path, &halves[b].path, none)).then_some((e, b))
     });
     pairs.collect()
 }

@@ -7,7 +7,6 @@ pub mod complex;
 pub mod control_chart;
 pub mod correlation;
 pub mod decay;
-pub mod dense;
 pub mod discrete_gauss;
 pub mod global;
 pub mod gram;

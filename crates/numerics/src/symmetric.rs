@@ -1,5 +1,7 @@
 //! Symmetric matrices of any order: Cholesky solutions, inverses that lose no direction, eigenvalues by Jacobi rotations.
 
+use super::sums::dot;
+
 /// A symmetric matrix, row by row; both triangles are kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
@@ -277,14 +279,24 @@ impl Cholesky {
         &self.entries[row * self.order..(row + 1) * self.order]
     }
 
+    /// Logarithm of the determinant of the matrix.
+    pub fn log_determinant(&self) -> f64 {
+        (0..self.order).map(|k| 2.0 * self.get(k, k).ln()).sum()
+    }
+
+    /// Puts the solution of `L x = right`, of the factor alone, into its place.
+    pub fn solve_factor(&self, right: &mut [f64]) {
+        for row in 0..self.order {
+            let (before, rest) = right.split_at_mut(row);
+            rest[0] = (rest[0] - dot(&self.row(row)[..row], before)) / self.get(row, row);
+        }
+    }
+
     /// Solution of `A x = right`.
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
         let n = self.order;
         let mut x = right[..n].to_vec();
-        for row in 0..n {
-            let known: f64 = (self.row(row).iter().zip(&x).take(row)).map(|(a, x)| a * x).sum();
-            x[row] = (x[row] - known) / self.get(row, row);
-        }
+        self.solve_factor(&mut x);
         for row in (0..n).rev() {
             let known: f64 = (row + 1..n).map(|k| self.get(k, row) * x[k]).sum();
             x[row] = (x[row] - known) / self.get(row, row);

@@ -15,6 +15,7 @@ pub(crate) fn of_task(context: &Context, task: &FitTask) -> Result<Vec<Channel>,
     Ok(derived::responses(
         &context.store.channels(task.run_id)?,
         task.length_cm,
+        Some(&task.drive),
     ))
 }
 
@@ -45,5 +46,118 @@ pub(crate) fn of_run(context: &Context, run: &RunRecord) -> Result<Vec<Channel>,
     let length_cm = sample
         .and_then(|sample| sample.length_mm)
         .map(|length_mm| length_mm / 10.0);
-    Ok(derived::responses(&context.store.channels(run.id)?, length_cm))
+    Ok(derived::responses(
+        &context.store.channels(run.id)?,
+        length_cm,
+        run.drive.as_ref(),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use crate::domain::{Channel, Drive, Quantity};
+    use crate::fit::{FitInput, FitOptions, fit_run};
+    use crate::ingest::derived;
+    use crate::model::geometry::conversion::{Bending, KnownStrip};
+    use crate::model::{Branch, LumpedModel};
+
+    /// A displacement sensor that was not zeroed: the intervals hold for strips of any length, and of any zero.
+    #[test]
+    fn a_displacement_may_count_from_anywhere() {
+        // The edge lies on a reading.
+        let time_s: Vec<f64> = (-30..600).map(|k| 2.0 * f64::from(k)).collect();
+        let drive = Drive::step(2.0);
+        let (mut held, mut stated) = (0, 0);
+        for (number, (length_mm, part)) in [2.0, 10.0, 30.0]
+            .into_iter()
+            .flat_map(|length_mm| [0.0, 0.02, 0.1, -0.2].map(|part| (length_mm, part)))
+            .cycle()
+            .take(48)
+            .enumerate()
+        {
+            let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+            // The tip moves by about 0.4 of the length.
+            let model = LumpedModel {
+                branches: vec![
+                    Branch {
+                        resistance_ohm_cm2: 300.0,
+                        capacitance_f_per_cm2: 0.05,
+                    },
+                    Branch {
+                        resistance_ohm_cm2: 1200.0,
+                        capacitance_f_per_cm2: 0.11,
+                    },
+                ],
+                steady_state_resistance_ohm_cm2: 9000.0,
+                charge_to_curvature_per_c_cm: 27.0 / length_mm * 10.0,
+                relaxation_rate_per_s: 3e-4,
+            };
+            let strip = KnownStrip {
+                length_mm: Some(length_mm),
+                seen_at_mm: None,
+                width_mm: None,
+                thickness_mm: None,
+                modulus_mpa: None,
+                neutral_layer_shift_mm: 0.0,
+                mean_elongation: 0.0,
+            };
+            let exact: Vec<f64> = model
+                .curvature_per_cm(&drive, 0.1, &time_s)
+                .iter()
+                .map(|kappa| strip.from_curvature(Bending::Displacement, *kappa).unwrap())
+                .collect();
+            let stroke = exact.iter().copied().fold(0.0, f64::max);
+            assert!(
+                stroke > 0.2 * length_mm && stroke < 0.7 * length_mm,
+                "{stroke} of {length_mm}"
+            );
+            let mut noise = |size: f64| size * (0..12).map(|_| random.random::<f64>() - 0.5).sum::<f64>();
+            let mut tip = exact
+                .iter()
+                .map(|d| d + part * stroke + noise(0.003 * stroke))
+                .collect::<Vec<f64>>();
+            if number % 3 == 0 {
+                // A reading at rest of something else.
+                tip[4] += 0.5 * stroke;
+            }
+            let current = model.current_a(&drive, 0.1, &time_s);
+            let peak = current.iter().copied().fold(0.0, f64::max);
+            let current: Vec<f64> = current.iter().map(|i| i + noise(0.002 * peak)).collect();
+            // Every other record has lost some readings, and some of them at rest.
+            let lost = |k: &usize| number % 2 == 1 && k % 7 == number % 7;
+            let kept: Vec<usize> = (0..time_s.len()).filter(|k| !lost(k)).collect();
+            let of_kept = |values: &[f64]| kept.iter().map(|k| values[*k]).collect::<Vec<f64>>().into();
+            let channel =
+                |quantity, values: Vec<f64>| Channel::new(quantity, of_kept(&time_s), of_kept(&values));
+            let channels = derived::responses(
+                &[
+                    channel(Quantity::Current, current),
+                    channel(Quantity::TipDisplacement, tip),
+                ],
+                Some(length_mm / 10.0),
+                Some(&drive),
+            );
+            let input = FitInput {
+                channels: &channels,
+                drive: &drive,
+                area_cm2: 0.1,
+            };
+            let fit = fit_run(&input, &FitOptions::for_model("lumped-2").unwrap()).unwrap();
+            let truths = [
+                ("alpha_per_c_cm", model.charge_to_curvature_per_c_cm),
+                ("lambda_per_s", 3e-4),
+                ("r1_ohm_cm2", 300.0),
+            ];
+            for (key, truth) in truths {
+                let own = fit.parameter(key).unwrap();
+                let (low, high) = (own.low_95.unwrap(), own.high_95.unwrap());
+                stated += 1;
+                held += u32::from(low <= truth && truth <= high);
+            }
+        }
+        assert!(100 * held >= 90 * stated, "{held} of {stated}");
+    }
 }

@@ -83,7 +83,7 @@ fn fit_group(group: &ExtendedGroup, channels: &[Vec<Channel>]) -> Vec<Outcome> {
         let responses: Vec<Vec<Channel>> = tasks
             .clone()
             .zip(channels)
-            .map(|(task, channels)| derived::responses(channels, task.length_cm))
+            .map(|(task, channels)| derived::responses(channels, task.length_cm, Some(&task.drive)))
             .collect();
         let inputs: Vec<RunInput> = tasks
             .zip(&responses)

@@ -208,7 +208,7 @@ fn fit_whole(
     options: &FitOptions,
     known: &[KnownParameter],
 ) -> Outcome {
-    let channels = derived::responses(measured, task.length_cm);
+    let channels = derived::responses(measured, task.length_cm, Some(&task.drive));
     let input = FitInput {
         channels: &channels,
         drive: &task.drive,

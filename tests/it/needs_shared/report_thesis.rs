@@ -129,5 +129,5 @@ fn ratios_and_intervals_are_those_of_the_reference() {
             intervals += 1;
         }
     }
-    assert_eq!((ratios, intervals, bounds), (49, 39, 2));
+    assert_eq!((ratios, intervals, bounds), (47, 38, 2));
 }

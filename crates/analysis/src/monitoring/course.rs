@@ -313,6 +313,7 @@ impl Series {
         study.change = Some(Change {
             at: beside.at,
             size: dot(&own, &left) / dot(&own, &own),
+            error: dot(&own, &own).sqrt().recip(),
             p: beside.p,
         });
         study.trends = both;

@@ -9,9 +9,10 @@ use std::ops::Range;
 use ieap_domain::quantiles::NORMAL_95;
 
 use super::moved::Moved;
-use super::policy::JUMP_SIDE;
+use super::policy::{JUMP_SIDE, SHOWN_BELOW};
 use super::{Watched, alarm_words};
 use crate::monitoring::fitted::Interval;
+use crate::monitoring::shape::Law;
 use crate::zone::Zone;
 use ieap_domain::tag::keys;
 use ieap_domain::{Alarm, AlarmPlace, AlarmSign, Campaign, Estimate, RunRecord};
@@ -37,6 +38,41 @@ impl Shown<'_> {
     /// Place on the axis.
     fn x(&self, reading: usize) -> f64 {
         self.watched.series.x[reading]
+    }
+
+    /// The reading with which it began, and by how much the number moved: of what left control as its course has it, which
+    /// the page shows.
+    fn told(&self) -> Option<(usize, Moved)> {
+        if self.chart != CHART {
+            return self.moved();
+        }
+        let is_told = |own: &(usize, Moved)| own.1.p <= SHOWN_BELOW;
+        self.by_course().or_else(|| self.moved().filter(is_told))
+    }
+
+    /// The same as the study of the series has it: with its step or its knee, else with the first reading.
+    fn by_course(&self) -> Option<(usize, Moved)> {
+        let study = &self.watched.study;
+        let law = study.trends.first().filter(|_| study.is_shown())?;
+        let with = |at: Interval| self.within.clone().find(|k| self.x(*k) >= at.value);
+        if let Some(change) = &study.change {
+            let (size, reach) = (change.size, NORMAL_95 * change.error);
+            let size = Interval {
+                value: size,
+                low_95: Some(size - reach),
+                high_95: Some(size + reach),
+            };
+            let (error, p) = (change.error, change.p);
+            return Some((with(change.at)?, Moved { size, error, p }));
+        }
+        let bends = matches!(law.law, Law::Step | Law::Knee);
+        let began = match law.bend_at.filter(|_| bends) {
+            Some(at) => with(at)?,
+            None => self.within.start,
+        };
+        let (size, p) = (law.size, study.p_trend?);
+        let error = (size.high_95? - size.low_95?) / (2.0 * NORMAL_95);
+        Some((began, Moved { size, error, p }))
     }
 
     /// The likeliest reading with which it began, and by how much the number moved then.
@@ -210,7 +246,7 @@ fn place(runs: &[RunRecord], shown: &Shown, reading: usize) -> AlarmPlace {
 /// The alarm that signs make together, under the id of the first.
 fn alarm(runs: &[RunRecord], campaign: &Campaign, event: &[Shown]) -> Alarm {
     let lead = &event[0];
-    let moved: Vec<Option<(usize, Moved)>> = event.iter().map(Shown::moved).collect();
+    let moved: Vec<Option<(usize, Moved)>> = event.iter().map(Shown::told).collect();
     let of_each = event.iter().zip(&moved);
     let signs: Vec<AlarmSign> = of_each
         .map(|(shown, moved)| sign(runs, shown, moved.map(|(_, moved)| moved)))
@@ -296,6 +332,50 @@ mod tests {
         assert_eq!(weekly.date_at(50.0).unwrap(), "2026-12-10");
         weekly.starts_s.reverse();
         assert_eq!(weekly.date_at(50.0), None);
+    }
+
+    #[test]
+    fn an_alarm_says_what_the_course_of_its_picture_does() {
+        let mut alarms_of_decays = 0;
+        for seed in 0..20 {
+            let mut own = falling("r1_ohm_cm2", None, 0.0, seed);
+            // From the 25th run on it falls by 4 % a run.
+            let fall = |k: usize| 0.04 * k.saturating_sub(24) as f64;
+            own.series
+                .y
+                .iter_mut()
+                .enumerate()
+                .for_each(|(k, y)| *y -= fall(k));
+            own.study = own.series.study(control_chart::limit(5000.0), seed);
+            let (p, law) = (own.study.p_trend.unwrap(), own.study.trends[0]);
+            let all = [own];
+            for alarm in alarms(&runs(), &campaign(), &all)
+                .iter()
+                .filter(|own| own.chart == CHART)
+            {
+                alarms_of_decays += 1;
+                let sign = &alarm.shown_by[0];
+                let (low, high) = (
+                    sign.change.as_ref().unwrap().low_95.unwrap(),
+                    sign.change.as_ref().unwrap().high_95.unwrap(),
+                );
+                assert!(high < 1.0 && low > 0.0, "{seed}: {alarm:#?}");
+                if all[0].study.change.is_none() {
+                    assert_eq!(sign.p, Some(p), "{seed}");
+                    assert!(
+                        (low.ln() - law.size.low_95.unwrap()).abs() < 1e-9,
+                        "{seed}: {law:?}"
+                    );
+                    let bend = law.bend_at.filter(|_| law.law == Law::Knee);
+                    let at = bend.map_or(1.0, |at| at.value);
+                    assert!(
+                        alarm.began.at >= at && alarm.began.at < at + 1.0,
+                        "{seed}: {alarm:#?}"
+                    );
+                }
+            }
+        }
+        assert!(alarms_of_decays >= 15, "{alarms_of_decays}");
     }
 
     /// By little enough to be left to the charts.

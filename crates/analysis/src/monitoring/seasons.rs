@@ -5,7 +5,7 @@
 //! chance from run to run, so that what stays is not taken for what comes back.
 
 use ieap_numerics::grouped::Grouped;
-use ieap_numerics::mixed::{Combined, Estimated, MixedModel, Reading, Unit};
+use ieap_numerics::mixed::{Estimated, MixedModel, Reading, Unit, Width};
 
 use super::policy::MOST_LEVELS;
 use crate::laws::covariate::Covariate;
@@ -50,11 +50,9 @@ pub fn bring(found: &mut Values, facts: &[RunFacts], order: &[usize]) -> Vec<Bro
         let factors: Vec<f64> = std::iter::once(0.0)
             .chain(told.iter().map(|own| -own.off[k]))
             .collect();
-        let Combined {
-            value: by, variance, ..
-        } = law.combined(&factors);
-        value.y += part * by;
-        value.variance += part * variance;
+        let by = law.combined(&factors);
+        value.y += part * by.mean();
+        value.variance += part * by.error().powi(2);
     }
     told.iter().map(|own| (own.of, own.mean)).collect()
 }
@@ -72,12 +70,8 @@ fn differing(found: &Values, facts: &[RunFacts], of: Covariate) -> Option<Told> 
     x.iter().any(|own| *own != x[0]).then_some(Told { of, mean, off })
 }
 
-/// The part of what is told that stands out of chance: 1 less what Fisher's F would be of nothing, over what it is.
+/// The part of what is told that stands out of chance: 1 less what its square would be of nothing, over what it is.
 fn part(law: &Estimated, told: usize) -> f64 {
-    let one = |k: usize| -> Vec<f64> { (0..=told).map(|of| f64::from(u8::from(of == k))).collect() };
-    let freedom = (1..=told)
-        .map(|k| law.combined(&one(k)).freedom)
-        .fold(f64::INFINITY, f64::min);
     let keep: Vec<usize> = (1..=told).collect();
     let weighed = law.covariance.part(&keep).solve(&law.coefficients[1..], 1e-12);
     let square: f64 = weighed
@@ -85,13 +79,7 @@ fn part(law: &Estimated, told: usize) -> f64 {
         .zip(&law.coefficients[1..])
         .map(|(a, b)| a * b)
         .sum();
-    // The mean of F: of two degrees of freedom and fewer there is none, and nothing is told.
-    let of_chance = freedom / (freedom - 2.0);
-    match freedom.is_infinite() {
-        true => 1.0 - told as f64 / square,
-        false if freedom <= 2.0 => 0.0,
-        false => 1.0 - of_chance * told as f64 / square,
-    }
+    1.0 - told as f64 / square
 }
 
 /// The level and what is told as fixed; steps between runs by chance, at most [`MOST_LEVELS`] of them, spread evenly.
@@ -115,6 +103,7 @@ fn model(found: &Values, told: &[Told], order: &[usize]) -> MixedModel {
     MixedModel {
         units,
         component_of: vec![0; steps],
+        widths: vec![Width::Readings; steps.min(1)],
     }
 }
 

@@ -43,6 +43,8 @@ pub struct Change {
     pub at: Interval,
     /// Size on the series' scale.
     pub size: f64,
+    /// Standard error, same scale.
+    pub error: f64,
     /// Probability of such a change by chance.
     pub p: f64,
 }

@@ -108,6 +108,19 @@ string_enum! {
     }
 }
 
+string_enum! {
+    /// How sure what an answer shows is; words, tables and documents say no more.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum Certainty {
+        /// At most one in twenty of those said so is false.
+        Sure = "sure",
+        /// It differs by itself, in a study of which something is sure.
+        Likely = "likely",
+        /// Nothing is said.
+        Open = "open",
+    }
+}
+
 /// An answer in the other scope, on the same scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InScope {
@@ -117,7 +130,7 @@ pub struct InScope {
     pub low_95: f64,
     /// Upper end.
     pub high_95: f64,
-    /// Degrees of freedom of the interval.
+    /// None: the interval is that of a mixture over the scatters, which has no degrees of freedom.
     pub degrees_of_freedom: Option<f64>,
     /// Chance of a number as far from none.
     pub p: f64,
@@ -204,7 +217,7 @@ pub struct Answer {
     pub basis: Basis,
     /// Standard deviation from run to run, percent of the parameter, or points.
     pub scatter: Option<f64>,
-    /// Degrees of freedom of the interval.
+    /// None: the interval is that of a mixture over the scatters, which has no degrees of freedom.
     pub degrees_of_freedom: Option<f64>,
     /// Scatter from run to run, percent or points, that would undo the difference; of one run a condition.
     pub undone_by_scatter: Option<f64>,
@@ -224,6 +237,8 @@ pub struct Answer {
     pub strips_from_to: Option<(f64, f64)>,
     /// What is shown.
     pub verdict: Verdict,
+    /// How sure that is.
+    pub certainty: Certainty,
     /// Samples behind it.
     pub samples: usize,
     /// Runs behind either side.

@@ -9,7 +9,7 @@ use super::answer::{Answer, Kind};
 use super::combinations::Combinations;
 use super::combined::Term;
 use super::curves::Curves;
-use super::measured::Cell;
+use super::measured::{Cell, Measured};
 use super::slope::{Other, Slope};
 use crate::conditions::Conditions;
 use crate::laws::facts::RunFacts;
@@ -42,7 +42,11 @@ impl Asking<'_> {
 
     /// Every answer about a parameter of a material held against the first.
     pub fn against_first(&self, material: usize, key: &'static str) -> Vec<Answer> {
-        let pairs = self.pairs(material).into_iter();
+        let both: Vec<&Measured> = [material, 0]
+            .iter()
+            .filter_map(|at| self.measured(*at, key).map(|of| &**of))
+            .collect();
+        let pairs = self.pairs(material, &both).into_iter();
         let mut found: Vec<Answer> = pairs
             .filter_map(|pair| self.by_material(&pair, material, key))
             .collect();

@@ -133,19 +133,16 @@ mod tests {
             let both = [of.of_all_strips(&columns, &factors), columns.of_one_number()];
             let told = |own: &Told| own.of.with_scatter(&own.factors).unwrap().0;
             let [shared, own] = both.map(|own| own.as_ref().map(told));
-            let (Some(shared), Some(own)) = (shared, own) else {
+            let (Some(shared), Some(own)) = (&shared, &own) else {
                 assert!(shared.is_none() && own.is_none());
                 continue;
             };
             compared += 1;
-            let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * own.variance.sqrt();
-            assert!(near(shared.value, own.value), "{shared:?} {own:?}");
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * own.error();
+            assert!(near(shared.mean(), own.mean()), "{shared:?} {own:?}");
+            let (ends, other) = (shared.ends_95(), own.ends_95());
             assert!(
-                near(shared.variance.sqrt(), own.variance.sqrt()),
-                "{shared:?} {own:?}"
-            );
-            assert!(
-                (shared.freedom / own.freedom - 1.0).abs() < 1e-4,
+                near(ends.0, other.0) && near(ends.1, other.1),
                 "{shared:?} {own:?}"
             );
         }

@@ -1,10 +1,10 @@
 //! A combination of conditions as an answer.
 
 use ieap_domain::quantiles::NORMAL_95;
-use ieap_numerics::student::{quantile, quantile_95, two_sided_chance};
+use ieap_numerics::mixed::Mixture;
 
 use super::also::also_changed;
-use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
+use super::answer::{Answer, Basis, Certainty, InScope, Kind, Scale, Scope, Verdict};
 use super::asking::Asking;
 use super::combinations::Combinations;
 use super::measured::{Measured, Value};
@@ -92,6 +92,7 @@ impl Asking<'_> {
             strips_differ_p: None,
             strips_from_to: None,
             verdict: Verdict::NotTold,
+            certainty: Certainty::Open,
             samples: 0,
             runs: (0, 0),
             of_runs: Vec::new(),
@@ -168,6 +169,18 @@ impl Asking<'_> {
         is_of_study: bool,
         blank: Answer,
     ) -> Answer {
+        self.chosen(terms, voltages, is_of_study, (blank, 1))
+    }
+
+    /// The same of one of so many that was chosen by what was found: intervals hold of all of them together.
+    pub(super) fn chosen(
+        &self,
+        terms: &[Term],
+        voltages: &[usize],
+        is_of_study: bool,
+        (blank, of): (Answer, usize),
+    ) -> Answer {
+        let tail = 0.025 / of as f64;
         let scale = blank.scale;
         let shown = |number: f64| Answer::shown(scale, number);
         // What an error of this size is called: percent of the parameter, or points.
@@ -182,11 +195,11 @@ impl Asking<'_> {
         let with_scatter = told(terms, scale, blank.span);
         // Where the scatter is known, runs and samples are weighed by it.
         let value: f64 = match &with_scatter {
-            Some(all) => all.value,
-            None => by_fits.iter().map(|own| own.value).sum(),
+            Some(all) => all.law.mean(),
+            None => by_fits.iter().map(Mixture::mean).sum(),
         };
-        let of_fits: f64 = by_fits.iter().map(|own| own.variance).sum();
-        let reach = NORMAL_95 * of_fits.sqrt();
+        let of_fits: f64 = by_fits.iter().map(|own| own.error().powi(2)).sum();
+        let reach = Mixture::normal(0.0, of_fits.sqrt()).quantile(1.0 - tail);
         let (upper, lower) = self.places(terms);
         let mut samples: Vec<&str> = upper
             .iter()
@@ -221,14 +234,11 @@ impl Asking<'_> {
             ..blank
         };
         if let Some(all) = with_scatter {
-            let (error, freedom) = (all.error, all.freedom);
-            answer.low_95 = Some(shown(value - quantile_95(freedom) * error));
-            answer.high_95 = Some(shown(value + quantile_95(freedom) * error));
+            answer.low_95 = Some(shown(all.law.quantile(tail)));
+            answer.high_95 = Some(shown(all.law.quantile(1.0 - tail)));
             // Of a law, over all that was measured.
-            let largest = value.abs() + quantile(0.95, freedom) * error;
-            answer.no_more_than = Some(size(answer.span.unwrap_or(1.0) * largest));
-            answer.p = Some(two_sided_chance(value / error, freedom));
-            answer.degrees_of_freedom = freedom.is_finite().then_some(freedom);
+            answer.no_more_than = Some(size(answer.span.unwrap_or(1.0) * all.law.most_95()));
+            answer.p = Some(all.law.chance_of_none());
             answer.basis = all.basis;
             let scatter: f64 = terms
                 .iter()
@@ -294,14 +304,15 @@ impl<'a> InBoth<'a> {
 impl InScope {
     /// A sum in one scope; none where nothing tells the scatter.
     pub(super) fn of(terms: &[Term], scale: Scale, span: Option<f64>) -> Option<InScope> {
-        let (all, reach) = (told(terms, scale, span)?, reach(terms));
+        let law = told(terms, scale, span)?.law;
         let shown = |number: f64| Answer::shown(scale, number);
+        let (low, high) = law.ends_95();
         Some(InScope {
-            value: shown(all.value),
-            low_95: shown(all.value - reach),
-            high_95: shown(all.value + reach),
-            degrees_of_freedom: all.freedom.is_finite().then_some(all.freedom),
-            p: two_sided_chance(all.value / all.error, all.freedom),
+            value: shown(law.mean()),
+            low_95: shown(low),
+            high_95: shown(high),
+            degrees_of_freedom: None,
+            p: law.chance_of_none(),
             q: None,
             is_shown: false,
         })
@@ -320,48 +331,47 @@ fn terms<'a>(
 /// A sum with its scatter; none where nothing tells that, or so little that the interval holds whatever could be. Of a law
 /// over `span` of its variable.
 fn told(terms: &[Term], scale: Scale, span: Option<f64>) -> Option<Summed> {
+    let all = summed(terms)?;
     let reach = match scale {
-        Scale::Ratio => reach(terms),
-        Scale::PerUnit => reach(terms) * span.unwrap_or(1.0),
+        Scale::Ratio => all.reach(),
+        Scale::PerUnit => all.reach() * span.unwrap_or(1.0),
         // No ratios: their numbers stay as they are.
         Scale::Points | Scale::OfRange => 0.0,
     };
-    summed(terms).filter(|_| reach < LARGEST_RATIO.ln())
+    (reach < LARGEST_RATIO.ln()).then_some(all)
 }
 
 /// Half-width of the 95 % interval of a sum; infinite where nothing tells the scatter.
 fn reach(terms: &[Term]) -> f64 {
-    summed(terms).map_or(f64::INFINITY, |all| quantile_95(all.freedom) * all.error)
+    summed(terms).map_or(f64::INFINITY, |all| all.reach())
 }
 
 /// A sum of combinations with its scatter.
 struct Summed {
-    value: f64,
-    error: f64,
-    freedom: f64,
+    law: Mixture,
     basis: Basis,
+}
+
+impl Summed {
+    /// Half-width of the 95 % interval.
+    fn reach(&self) -> f64 {
+        let (low, high) = self.law.ends_95();
+        0.5 * (high - low)
+    }
 }
 
 /// None where nothing tells the scatter of one of them, or where values are alike to the last digit.
 fn summed(terms: &[Term]) -> Option<Summed> {
     let each = terms.iter().map(|term| term.of.with_scatter(&term.factors));
     let each: Vec<_> = each.collect::<Option<_>>()?;
-    let variance: f64 = each.iter().map(|(own, _)| own.variance).sum();
-    // Satterthwaite's rule for a sum of variances.
-    let parts: f64 = each
+    let basis = each
         .iter()
-        .map(|(own, _)| own.variance.powi(2) / own.freedom)
-        .sum();
-    let freedom = if parts > 0.0 {
-        variance * variance / parts
-    } else {
-        f64::INFINITY
-    };
-    let basis = each.iter().map(|(_, basis)| *basis).max();
-    (variance.sqrt() > LEAST_ERROR).then(|| Summed {
-        value: each.iter().map(|(own, _)| own.value).sum(),
-        error: variance.sqrt(),
-        freedom,
-        basis: basis.unwrap_or(Basis::Unknown),
-    })
+        .map(|(_, basis)| *basis)
+        .max()
+        .unwrap_or(Basis::Unknown);
+    let law = each
+        .into_iter()
+        .map(|(law, _)| law)
+        .reduce(|all, own| all.plus(&own))?;
+    (law.error() > LEAST_ERROR).then_some(Summed { law, basis })
 }

@@ -13,7 +13,8 @@ use crate::conditions::volts;
 impl Asking<'_> {
     /// What the study asked of a parameter whose values cannot be compared.
     pub(super) fn refused(&self, material: usize, key: &'static str, why: &str) -> Vec<Answer> {
-        let pairs = self.pairs(material).into_iter().filter(|pair| pair.is_of_study);
+        let pairs = self.pairs(material, &[]).into_iter();
+        let pairs = pairs.filter(|pair| pair.is_of_study);
         let answer = |pair: Pair| Answer {
             is_of_study: true,
             reason: Some(why.to_owned()),
@@ -34,7 +35,7 @@ impl Asking<'_> {
             Some(Ok(of)) => of,
         };
         let mut found = Vec::new();
-        for pair in self.pairs(material) {
+        for pair in self.pairs(material, &[of]) {
             let (upper, lower) = (&pair.upper, &pair.lower);
             let shared = self.shared(of, upper, lower);
             let blank = self.blank(Kind::Environment, material, key, (&upper.name, &lower.name));
@@ -85,10 +86,10 @@ impl Asking<'_> {
             let mut factors = vec![0.0; of.cells.len()];
             factors[at] = 1.0;
             let own = of.by_fits(&factors)?;
-            let reach = NORMAL_95 * own.variance.sqrt();
+            let reach = NORMAL_95 * own.error();
             Some(Bound {
-                below: Some(own.value + reach),
-                above: Some(own.value - reach),
+                below: Some(own.mean() + reach),
+                above: Some(own.mean() - reach),
             })
         };
         let (above, below) = (side(cells.0, upper)?, side(cells.1, lower)?);

@@ -3,9 +3,8 @@
 use ieap_domain::number::{plain, rounded_bound, significant};
 use ieap_domain::words::{in_a_row, numeral};
 
-use super::answer::{Answer, Basis, Kind, Scale, Verdict};
+use super::answer::{Answer, Basis, Certainty, Kind, Scale, Verdict};
 use super::policy::{FOLDS_FROM, ONE_SLOPE, ROUGHLY_FROM};
-use crate::false_discovery::CLAIMED_BELOW;
 
 /// How what is open begins.
 pub const UNTOLD: &str = "cannot be told";
@@ -15,7 +14,7 @@ pub const UNTOLD: &str = "cannot be told";
 pub(super) enum Standing {
     /// It differs.
     Sure,
-    /// It does by itself; of as many questions one such answer is expected by chance.
+    /// It does by itself, in a study of which something is sure.
     Probably,
     /// It does in the strips as they were measured, and that is open of their material.
     InStrips,
@@ -32,17 +31,17 @@ impl Standing {
         let in_strips = answer.of_strips.as_ref().is_some_and(|own| own.is_shown);
         match answer.verdict {
             Verdict::Differs => Standing::Sure,
+            Verdict::Open if answer.certainty == Certainty::Likely => Standing::Probably,
             Verdict::Open if in_strips => Standing::InStrips,
-            Verdict::Open if answer.p.is_some_and(|p| p <= CLAIMED_BELOW) => Standing::Probably,
             Verdict::Alike => Standing::Alike,
             Verdict::Bound => Standing::Bound,
             Verdict::Open | Verdict::NotTold => Standing::Open,
         }
     }
 
-    /// Whether a change is told.
+    /// Whether a change is told of what the study asks about.
     pub(super) fn is_change(self) -> bool {
-        self <= Standing::InStrips
+        self <= Standing::Probably
     }
 }
 
@@ -137,13 +136,20 @@ fn numbers(each: &[&Answer], by: &Answer) -> Vec<(f64, Ends)> {
     each.iter().filter_map(number).collect()
 }
 
-/// `in the two strips measured`, where nothing is said of their material; of one strip the whole study says it once.
+/// `in the two strips measured; a third would tell`, where nothing is said of their material; of one strip the whole study says
+/// it once.
 pub(super) fn in_strips(answer: &Answer) -> String {
     let is_of_material = answer.of_material.as_ref().is_none_or(|own| own.is_shown);
     if is_of_material && Standing::of(answer) != Standing::InStrips {
         return String::new();
     }
-    format!("in the {} strips measured", numeral(answer.samples))
+    let would = match (Standing::of(answer), answer.samples) {
+        (Standing::InStrips, 2) => "; a third would tell",
+        (Standing::InStrips, 3) => "; a fourth would tell",
+        (Standing::InStrips, _) => "; more would tell",
+        _ => "",
+    };
+    format!("in the {} strips measured{would}", numeral(answer.samples))
 }
 
 /// A change: its verb, how much, the ends of its interval, and what stands behind them.

@@ -1,6 +1,6 @@
 //! The grammar of answers: what is said of which numbers.
 
-use super::answer::{Answer, Basis, InScope, Kind, Scale, Scope, Verdict};
+use super::answer::{Answer, Basis, Certainty, InScope, Kind, Scale, Scope, Verdict};
 use super::grammar::{by_voltage, loses, loses_by_voltage, shows};
 use super::made::Study;
 use super::said::lead;
@@ -43,12 +43,22 @@ fn answer(value: f64, ends: (f64, f64)) -> Answer {
         strips_differ_p: None,
         strips_from_to: None,
         verdict: Verdict::Differs,
+        certainty: Certainty::Sure,
         samples: 2,
         runs: (2, 2),
         of_runs: Vec::new(),
         drawn: None,
         also_changed: Vec::new(),
         reason: None,
+    }
+}
+
+/// Likely where the chance is that small.
+fn likely_below(p: f64, most: f64) -> Certainty {
+    if p <= most {
+        Certainty::Likely
+    } else {
+        Certainty::Open
     }
 }
 
@@ -77,6 +87,7 @@ fn a_change_is_said_as_a_fold_or_in_percent_by_its_size() {
 fn what_is_not_sure_is_probable_what_does_not_change_says_within_what() {
     let of = |verdict, p| Answer {
         verdict,
+        certainty: likely_below(p, 0.05),
         p: Some(p),
         q: Some(0.3),
         ..answer(2.5, (1.1, 5.0))
@@ -118,13 +129,14 @@ fn what_strips_show_is_said_of_them() {
     };
     let own = Answer {
         verdict: Verdict::Open,
+        certainty: Certainty::Open,
         p: Some(0.4),
         of_strips: Some(strips),
         ..answer(2.0, (0.1, 40.0))
     };
     assert_eq!(
         shows(&own),
-        "rises 2.0-fold (1.8 to 2.2 in the two strips measured)"
+        "rises 2.0-fold (1.8 to 2.2 in the two strips measured; a third would tell)"
     );
 }
 
@@ -161,6 +173,7 @@ fn points_are_points_and_values_by_voltage_stand_in_a_row() {
     );
     let lower = Answer {
         verdict: Verdict::Open,
+        certainty: Certainty::Likely,
         q: Some(0.3),
         ..own.clone()
     };
@@ -189,6 +202,7 @@ fn points_are_points_and_values_by_voltage_stand_in_a_row() {
 fn by_voltage_of(interaction: Answer) -> Study {
     let whole = Answer {
         verdict: Verdict::Open,
+        certainty: Certainty::Open,
         p: Some(0.2),
         q: Some(0.4),
         ..answer(3.5, (0.9, 12.0))
@@ -216,6 +230,7 @@ fn values_by_voltage_are_as_sure_as_it_is_that_they_differ() {
     let said = |verdict, p| {
         let interaction = Answer {
             verdict,
+            certainty: likely_below(p, 0.05),
             p: Some(p),
             ..answer(11.0, (5.0, 24.0))
         };
@@ -232,5 +247,21 @@ fn values_by_voltage_are_as_sure_as_it_is_that_they_differ() {
     assert_eq!(
         said(Verdict::Open, 0.2),
         "What was varied changes CNaf in nothing that can be told with two strips (a third would)."
+    );
+}
+
+#[test]
+fn a_voltage_whose_interval_holds_no_change_is_no_change() {
+    let mut study = by_voltage_of(Answer {
+        p: Some(1e-5),
+        ..answer(11.0, (5.0, 24.0))
+    });
+    (study.answers[1].low_95, study.answers[1].high_95) = (Some(0.9), Some(2.4));
+    study.answers[0].verdict = Verdict::Differs;
+    study.answers[0].certainty = Certainty::Sure;
+    (study.answers[0].low_95, study.answers[0].high_95) = (Some(1.4), Some(9.0));
+    assert_eq!(
+        lead(&study, "CNaf").join(" "),
+        "In air, against vacuum, CNaf's back-relaxation rate λ rises 3.5-fold (1.4 to 9.0)."
     );
 }

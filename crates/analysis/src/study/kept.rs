@@ -115,7 +115,7 @@ impl<'a> Grounds<'a> {
         (facts, placed): (&'a [RunFacts], &'a [Placed<'a>]),
     ) -> Grounds<'a> {
         let common = Hash::default()
-            .with(&"what the study asked")
+            .with(&"what the study asked, its scatters integrated")
             .with(&evidence.campaign.study)
             .with(&compared)
             .with(&(&conditions.surroundings, &conditions.voltages_v))

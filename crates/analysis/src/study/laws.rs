@@ -9,8 +9,8 @@ use super::combined::Term;
 use super::measured::{Measured, Value, distinct};
 use super::policy::FEWEST_LEVELS;
 use super::scoped::Scoped;
-use super::slope::{Followed, Other, Over, Slope, levels};
-use crate::conditions::{Conditions, volts};
+use super::slope::{Followed, Other, Over, Slope, set_humidities};
+use crate::conditions::{Conditions, HUMIDITY_KNOWN_TO_PERCENT, volts};
 use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
 use crate::laws::policy::{FEWEST_OF_A_KIND, INFLATION_LIMIT};
@@ -122,7 +122,7 @@ impl Asking<'_> {
             Scope::Strips => slope.scoped.strips.as_ref()?,
             Scope::Material => slope.scoped.material.as_ref()?,
         };
-        let size = told.of.estimated()?.combined(&told.factors).value;
+        let size = told.of.estimated()?.combined(&told.factors).mean();
         let count = told.fitted.len() as f64;
         let mean_x = slope.numbers.iter().sum::<f64>() / count;
         let mean_y = told.fitted.iter().sum::<f64>() / count;
@@ -273,8 +273,8 @@ pub(super) fn over_conditions<'a>(
     })
 }
 
-/// Values over the humidity, beside a level for each environment and voltage where an environment was measured at three
-/// humidities or more, else beside one for each voltage; none of fewer.
+/// Values over the humidity, beside a level for each environment and voltage where the humidity of an environment was varied,
+/// else beside one for each voltage where it was set to three or more.
 pub(super) fn of_humidity(all: &Measured, conditions: &Conditions) -> Option<Vec<Value>> {
     let known = all.values.iter().filter(|own| own.humidity_percent.is_some());
     let known: Vec<Value> = known.copied().collect();
@@ -282,20 +282,23 @@ pub(super) fn of_humidity(all: &Measured, conditions: &Conditions) -> Option<Vec
     let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
     let is_of = |own: &&Value| varied.is_empty() || varied.contains(&environment(own));
     let values: Vec<Value> = known.iter().filter(is_of).copied().collect();
-    has_law(&mut values.iter()).then_some(values)
+    let set = set_humidities(values.iter().filter_map(|own| own.humidity_percent));
+    (!varied.is_empty() || set.len() >= FEWEST_LEVELS).then_some(values)
 }
 
-fn has_law(of: &mut dyn Iterator<Item = &Value>) -> bool {
-    levels(of.filter_map(|own| own.humidity_percent)).len() >= FEWEST_LEVELS
-}
-
-/// Environments that were measured at three humidities or more.
+/// Environments of these values whose humidity was varied: by more than it is known to, and not between two levels, of which
+/// the one against the other says it all.
 fn varied<'a>(known: &[Value], conditions: &'a Conditions) -> Vec<&'a str> {
     let environment = |own: &Value| conditions.surroundings[own.cell.0].environment.as_str();
-    distinct(known.iter().map(environment))
-        .into_iter()
-        .filter(|name| has_law(&mut known.iter().filter(|own| environment(own) == *name)))
-        .collect()
+    let is_varied = |name: &&str| {
+        let own = || known.iter().filter(|own| environment(own) == *name);
+        let humidities = own().filter_map(|own| own.humidity_percent);
+        let (low, high) = ends(humidities).unwrap_or_default();
+        let levels = distinct(own().map(|own| own.cell.0)).len();
+        high - low > 2.0 * HUMIDITY_KNOWN_TO_PERCENT && levels != 2
+    };
+    let names = distinct(known.iter().map(environment));
+    names.into_iter().filter(is_varied).collect()
 }
 
 /// The values of [`of_humidity`] as the slope takes them.

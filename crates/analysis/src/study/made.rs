@@ -6,11 +6,11 @@ use ieap_domain::{Campaign, Drive, Factor, RunRecord, Sample, Standing as RunSta
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::answer::{Answer, InScope, Kind, Scale, Scope, Verdict};
+use super::answer::{Answer, Certainty, InScope, Kind, Scale, Scope, Verdict};
 use super::asked::Asked;
 use super::evidence::Evidence;
 use super::odd::OddValue;
-use super::policy::{ALIKE_PERCENT, ALIKE_POINTS};
+use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LIKELY_BELOW};
 use crate::cache::Cache;
 use crate::conditions::{Conditions, conditions_of_materials};
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
@@ -176,15 +176,13 @@ const ALL_MATERIALS: &str = "all materials";
 /// What a campaign varies.
 fn varied(conditions: &Conditions) -> Vec<Factor> {
     let environments = || conditions.surroundings.iter().map(|own| own.environment.as_str());
-    let levels = conditions
-        .surroundings
-        .iter()
-        .filter(|own| own.humidity_varies)
-        .count();
     let first = environments().next();
     [
         (Factor::Environment, environments().any(|own| Some(own) != first)),
-        (Factor::Humidity, levels > 1),
+        (
+            Factor::Humidity,
+            environments().any(|own| conditions.varies_humidity(own)),
+        ),
         (Factor::Voltage, conditions.voltages_v.len() > 1),
         (Factor::Material, conditions.materials.len() > 1),
     ]
@@ -231,6 +229,20 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
             None if own.at_least.is_some() || own.at_most.is_some() => Verdict::Bound,
             None if own.value.is_some() => Verdict::Open,
             None => Verdict::NotTold,
+        };
+    }
+    // Where nothing is sure, the likeliest of many is what chance brings.
+    let some_is_sure = answers.iter().any(|own| own.verdict == Verdict::Differs);
+    let is_below = |of: Option<f64>, most: f64| of.is_some_and(|of| of <= most);
+    for own in answers.iter_mut() {
+        own.certainty = match own.verdict {
+            Verdict::Differs | Verdict::Alike => Certainty::Sure,
+            Verdict::Open
+                if some_is_sure && is_below(own.q, LIKELY_BELOW) && is_below(own.p, CLAIMED_BELOW) =>
+            {
+                Certainty::Likely
+            }
+            _ => Certainty::Open,
         };
     }
 }

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use ieap_numerics::linear::LeastSquares;
-use ieap_numerics::mixed::{Combined, Estimated, MixedModel, Reading, Unit};
+use ieap_numerics::mixed::{Estimated, MixedModel, Mixture, Reading, Unit, Width};
 
 use super::answer::Basis;
-use super::policy::FEWEST_FREEDOM;
+use super::policy::FEWEST_LEFT;
 
 /// A condition of a material: place of its surroundings and of its voltage among all of the campaign.
 pub type Cell = (usize, usize);
@@ -46,8 +46,8 @@ pub struct Bound {
 pub struct Scatter {
     /// Variance, the errors of the fits with it.
     pub variance: f64,
-    /// Its degrees of freedom.
-    pub freedom: f64,
+    /// As many readings are left over to tell it; none where it is stated.
+    pub left: Option<f64>,
     /// Where it is known from.
     pub basis: Basis,
 }
@@ -75,14 +75,14 @@ impl Measured {
         stated: Option<f64>,
     ) -> Measured {
         let cells: Vec<Cell> = distinct(values.iter().map(|value| value.cell));
-        let model = of_conditions(&mut values, &cells);
+        let (model, estimated) = of_conditions(&mut values, &cells);
         let is_single = values.len() == cells.len();
         let single = is_single
             .then(|| stated.map(Scatter::stated).or_else(|| scatter(&values, dry)))
             .flatten();
         Measured {
             by_fits: by_fits(&model),
-            with_scatter: if is_single { None } else { model.estimated() },
+            with_scatter: estimated.filter(|_| !is_single),
             single,
             cells,
             values,
@@ -119,18 +119,18 @@ impl Measured {
     }
 
     /// A combination of conditions by the errors of the fits alone.
-    pub fn by_fits(&self, factors: &[f64]) -> Option<Combined> {
+    pub fn by_fits(&self, factors: &[f64]) -> Option<Mixture> {
         Some(self.by_fits.as_ref()?.combined(factors))
     }
 
     /// The same with scatter, and where that is known from.
-    pub fn with_scatter(&self, factors: &[f64]) -> Option<(Combined, Basis)> {
+    pub fn with_scatter(&self, factors: &[f64]) -> Option<(Mixture, Basis)> {
         if let Some(single) = &self.single {
-            let square: f64 = factors.iter().map(|factor| factor * factor).sum();
-            let own = Combined {
-                variance: square * single.variance,
-                freedom: single.freedom,
-                ..self.by_fits(factors)?
+            let each = factors.iter().map(|factor| factor * factor).sum::<f64>().sqrt();
+            let mean = self.by_fits(factors)?.mean();
+            let own = match single.left {
+                Some(left) => Mixture::of_scatter(mean, each, (single.variance, left)),
+                None => Mixture::normal(mean, each * single.variance.sqrt()),
             };
             return Some((own, single.basis));
         }
@@ -151,15 +151,15 @@ impl Scatter {
     fn stated(variance: f64) -> Scatter {
         Scatter {
             variance,
-            freedom: f64::INFINITY,
+            left: None,
             basis: Basis::Stated,
         }
     }
 }
 
 /// The mixed model of conditions: samples are blocks; where there are two or more they differ by chance, and by chance in each
-/// of the surroundings. Values that may be of something else count for less, here and in whatever is made of them.
-fn of_conditions(values: &mut [Value], cells: &[Cell]) -> MixedModel {
+/// of the surroundings; with what it says. Values that may be of something else count for less, here and in whatever is made of them.
+fn of_conditions(values: &mut [Value], cells: &[Cell]) -> (MixedModel, Option<Estimated>) {
     let samples: BTreeSet<usize> = values.iter().map(|value| value.sample).collect();
     let parts: Vec<usize> = distinct(values.iter().map(|value| value.cell.0));
     let row = |value: &Value| Row {
@@ -171,17 +171,20 @@ fn of_conditions(values: &mut [Value], cells: &[Cell]) -> MixedModel {
             Vec::new()
         },
     };
-    let columns = if samples.len() > 1 { parts.len() + 1 } else { 0 };
-    let component_of = (0..columns).map(|k| usize::from(k > 0)).collect();
+    let chance: &[(usize, Width)] = if samples.len() > 1 {
+        &[(1, Width::All), (parts.len(), Width::Readings)]
+    } else {
+        &[]
+    };
     let rows: Vec<Row> = values.iter().map(row).collect();
-    let (model, places) = placed(values, rows.into_iter(), component_of);
-    let (model, odd) = model.with_odd_weighed();
+    let (model, places) = placed(values, rows.into_iter(), chance);
+    let (model, odd, estimated) = model.with_odd_weighed();
     for own in odd {
         if let Some(at) = places.iter().position(|place| *place == own.place) {
             (values[at].weight, values[at].off) = (own.weight, Some(own.off));
         }
     }
-    model
+    (model, estimated)
 }
 
 /// Row of a value in a mixed model.
@@ -194,20 +197,21 @@ pub(super) struct Row {
     pub random: Vec<f64>,
 }
 
-/// A mixed model of values, a row for each; values with the same row are one unit of it.
+/// A mixed model of values, a row for each; values with the same row are one unit of it. `chance`: the columns of each
+/// component, in their order.
 pub(super) fn model(
     values: &[Value],
     rows: impl Iterator<Item = Row>,
-    component_of: Vec<usize>,
+    chance: &[(usize, Width)],
 ) -> MixedModel {
-    placed(values, rows, component_of).0
+    placed(values, rows, chance).0
 }
 
 /// The same, with the unit of each value and its place there.
 fn placed(
     values: &[Value],
     rows: impl Iterator<Item = Row>,
-    component_of: Vec<usize>,
+    chance: &[(usize, Width)],
 ) -> (MixedModel, Vec<(usize, usize)>) {
     let (mut units, mut of_values): (Vec<Unit>, Vec<(usize, usize)>) = (Vec::new(), Vec::new());
     let mut places: BTreeMap<(usize, Vec<u64>), usize> = BTreeMap::new();
@@ -231,7 +235,15 @@ fn placed(
             }),
         }
     }
-    (MixedModel { units, component_of }, of_values)
+    let columns = chance.iter().enumerate();
+    let model = MixedModel {
+        units,
+        component_of: columns
+            .flat_map(|(of, (columns, _))| vec![of; *columns])
+            .collect(),
+        widths: chance.iter().map(|(_, width)| *width).collect(),
+    };
+    (model, of_values)
 }
 
 /// Different ones, in order.
@@ -246,8 +258,7 @@ pub(super) fn one_of<T: Ord>(several: &[T], own: &T) -> Vec<f64> {
 }
 
 fn by_fits(model: &MixedModel) -> Option<Estimated> {
-    let components = model.component_of.iter().map(|of| of + 1).max().unwrap_or(0);
-    model.at(&vec![0.0; components + 1])
+    model.at(&vec![0.0; model.components() + 1])
 }
 
 /// The scatter that single runs tell: of dry environments about their mean at each voltage where two or more have two
@@ -296,12 +307,11 @@ fn additive(values: &[&Value], basis: Basis) -> Option<Scatter> {
             .iter()
             .map(|&own| column(&|value| value.cell.1 == own)),
     );
-    let freedom = (values.len().checked_sub(columns.len())).filter(|left| *left >= FEWEST_FREEDOM)?;
+    let left = (values.len().checked_sub(columns.len())).filter(|left| *left >= FEWEST_LEFT)? as f64;
     let y: Vec<f64> = values.iter().map(|value| value.y).collect();
-    let left = LeastSquares::of(columns, &y)?;
     Some(Scatter {
-        variance: left.square() / freedom as f64,
-        freedom: freedom as f64,
+        variance: LeastSquares::of(columns, &y)?.square() / left,
+        left: Some(left),
         basis,
     })
 }

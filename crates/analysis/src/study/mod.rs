@@ -41,6 +41,8 @@ mod grammar_tests;
 #[cfg(test)]
 mod kept_tests;
 #[cfg(test)]
+mod likely_tests;
+#[cfg(test)]
 mod other_laws_tests;
 #[cfg(test)]
 mod power_tests;
@@ -49,7 +51,7 @@ mod tests;
 #[cfg(test)]
 mod two_scopes_tests;
 
-pub use answer::{Answer, Basis, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
+pub use answer::{Answer, Basis, Certainty, Drawn, InScope, Kind, Point, Scale, Scope, Verdict};
 pub use course::{Course, courses};
 pub use evidence::Evidence;
 pub use grammar::UNTOLD;

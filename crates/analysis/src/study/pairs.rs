@@ -4,8 +4,7 @@ use ieap_domain::Factor;
 
 use super::asking::Asking;
 use super::measured::{Cell, Measured};
-use super::policy::{FEWEST_LEVELS, MOST_FOR_ALL_PAIRS};
-use crate::conditions::count_levels;
+use super::policy::{MEMBERS_DIFFER, MOST_FOR_ALL_PAIRS};
 
 /// Surroundings as one side of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,15 +25,15 @@ impl Asking<'_> {
     pub(super) fn sides(&self, material: usize) -> Vec<Side> {
         let all = self.surroundings(material);
         let known = &self.conditions.surroundings;
-        let middle = |at: usize| {
-            known[at]
-                .humidity
-                .map(|level| 0.5 * (level.low_percent + level.high_percent))
-        };
-        let levels: Vec<f64> = all.iter().filter_map(|&at| middle(at)).collect();
-        let has_law = self.asks(Factor::Humidity) && count_levels(levels) >= FEWEST_LEVELS;
         let mut sides: Vec<Side> = Vec::new();
         for at in all {
+            // Of two levels the second against the first says what a law would.
+            let levels = known
+                .iter()
+                .filter(|own| own.environment == known[at].environment);
+            let has_law = self.asks(Factor::Humidity)
+                && levels.count() != 2
+                && self.conditions.varies_humidity(&known[at].environment);
             let name = if has_law {
                 known[at].environment.clone()
             } else {
@@ -52,8 +51,9 @@ impl Asking<'_> {
     }
 
     /// Pairs of sides. Where some are dry and some are not, the study asks whether the dry ones are alike, and what the others
-    /// do against them; else each is held against the first. Surroundings are held against each other as details.
-    pub(super) fn pairs(&self, material: usize) -> Vec<Pair> {
+    /// do against them, together where these values have them alike and else against each; without dry ones each is held
+    /// against the first. Surroundings are held against each other as details.
+    pub(super) fn pairs(&self, material: usize, of: &[&Measured]) -> Vec<Pair> {
         let known = &self.conditions.surroundings;
         let asks = self.asks(Factor::Environment) || self.asks(Factor::Humidity);
         let mut pairs: Vec<Pair> = Vec::new();
@@ -76,7 +76,13 @@ impl Asking<'_> {
                     name: format!("dry ({})", names.join(", ")),
                     surroundings: dry.iter().flat_map(|side| side.surroundings.clone()).collect(),
                 };
-                wet.iter().for_each(|side| add(side, &together, asks));
+                if of.iter().all(|of| self.are_alike(of, &dry)) {
+                    wet.iter().for_each(|side| add(side, &together, asks));
+                } else {
+                    for side in &wet {
+                        dry.iter().for_each(|own| add(side, own, asks));
+                    }
+                }
                 others.iter().for_each(|side| add(side, first, asks));
             }
             _ => {
@@ -95,6 +101,18 @@ impl Asking<'_> {
             others.for_each(|at| add(&side(at), &side(lower), false));
         }
         pairs
+    }
+
+    /// Whether values tell no side from the first, by their scatter where that is known and else by the fits.
+    fn are_alike(&self, of: &Measured, sides: &[Side]) -> bool {
+        let differs = |side: &Side| {
+            let shared = self.shared(of, side, &sides[0]);
+            let factors = self.difference(of, side, &sides[0], &shared)?;
+            let law = of.with_scatter(&factors).map(|(law, _)| law);
+            let law = law.or_else(|| of.by_fits(&factors))?;
+            Some(law.chance_of_none() <= MEMBERS_DIFFER / (sides.len() - 1) as f64)
+        };
+        !sides.iter().skip(1).any(|side| differs(side) == Some(true))
     }
 
     /// Voltages at which both sides have a value in all of their surroundings.

@@ -21,7 +21,7 @@ use super::policy::{
     FEWEST_LEVELS, HUMIDITIES_PERCENT, SCATTER_PERCENT, STATED_ERROR_PERCENT, STRIPS_DIFFER_PERCENT,
 };
 use super::scoped::Scoped;
-use super::slope::{Followed, Over, Slope, levels};
+use super::slope::{Followed, Over, Slope, set_humidities};
 use crate::conditions::conditions_of_materials;
 use crate::false_discovery::{CLAIMED_BELOW, q_values};
 use crate::laws::Covariate;
@@ -257,7 +257,7 @@ impl Design {
             .surroundings
             .iter()
             .filter_map(|own| own.humidity.as_ref());
-        let measured = levels(all.map(middle));
+        let measured = set_humidities(all.map(middle));
         let are_measured = measured.len() >= FEWEST_LEVELS;
         Design {
             voltages: conditions.voltages_v.len().max(1),

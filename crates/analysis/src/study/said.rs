@@ -1,4 +1,4 @@
-//! What a study says of its materials: one idea a sentence, what is known best first, and nothing of what is open.
+//! What a study says of its materials: one idea a sentence, the largest first, and nothing of what is open.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use ieap_domain::surroundings::in_words;
 use ieap_domain::words::{in_a_row, numeral};
 
-use super::answer::{Answer, Kind};
+use super::answer::{Answer, Kind, Scale};
 use super::grammar::{
     Standing, bracket, by_voltage, changes, from_to, in_strips, loses, loses_by_voltage, most,
 };
@@ -56,18 +56,24 @@ pub fn first_screen(study: &Study) -> Vec<String> {
     all.retain(|own| !own.is_empty());
     all.sort_by(|a, b| a[0].before(&b[0]));
     let mut taken: Vec<Vec<Sentence>> = all.iter().map(|_| Vec::new()).collect();
-    // In turn, so that no material keeps the others out; where a sentence is too long, what it says first.
-    for turn in 0..MOST_OF_MATERIAL {
+    // In turn, so that no material keeps the others out: what each says first, the rest of that sentence, then the next.
+    for turn in 0..2 * MOST_OF_MATERIAL {
         for (at, own) in all.iter().enumerate() {
-            let Some(whole) = own.get(turn).filter(|_| taken[at].len() == turn) else {
+            let Some(whole) = own.get(turn / 2) else {
                 continue;
             };
-            for part in [whole.clone(), whole.first_alone()] {
-                taken[at].push(part);
-                if words_of(&paragraphs(&taken).join(" ")) <= FIRST_SCREEN_WORDS {
-                    break;
-                }
-                taken[at].pop();
+            let before = taken[at].clone();
+            taken[at].truncate(turn / 2);
+            if taken[at].len() < turn / 2 {
+                continue;
+            }
+            taken[at].push(if turn % 2 == 0 {
+                whole.first_alone()
+            } else {
+                whole.clone()
+            });
+            if words_of(&paragraphs(&taken).join(" ")) > FIRST_SCREEN_WORDS {
+                taken[at] = before;
             }
         }
     }
@@ -107,7 +113,7 @@ pub(super) fn first(study: &Study) -> Option<&Answer> {
     changes.min_by(Sentence::before).map(|own| own.of[0])
 }
 
-/// The sentences of a material: the first of each pair that changes something, then what does not change, then the rest.
+/// The sentences of a material: what changes, the largest first, then what does not.
 fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
     let mut pairs: Vec<Vec<&Answer>> = Vec::new();
     for own in study
@@ -119,7 +125,7 @@ fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
             None => pairs.push(vec![own]),
         }
     }
-    let (mut first, mut alike, mut rest) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut changes, mut alike) = (Vec::new(), Vec::new());
     let sentence = |of: &[&'a Answer], is_alike| Sentence {
         study,
         of: of.to_vec(),
@@ -127,16 +133,14 @@ fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
     };
     for of in pairs {
         let changed = changed(study, &of);
-        let mut parts = changed.chunks(TOLD_TOGETHER).map(|of| sentence(of, false));
-        first.extend(parts.next());
-        rest.extend(parts);
+        changes.extend(changed.chunks(TOLD_TOGETHER).map(|of| sentence(of, false)));
         let same = unchanged(study, &of);
         if !same.is_empty() {
             alike.push(sentence(&same, true));
         }
     }
-    first.sort_by(Sentence::before);
-    first.into_iter().chain(alike).chain(rest).collect()
+    changes.sort_by(Sentence::before);
+    changes.into_iter().chain(alike).collect()
 }
 
 fn pair(answer: &Answer) -> (&str, &str) {
@@ -168,7 +172,7 @@ fn changed<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
             .iter()
             .filter(|other| family(other.parameter) == family(own.parameter));
         let same = same.map(|other| told_by(study, other));
-        same.min_by(|a, b| better_known(a, b))
+        same.min_by(|a, b| larger(a, b))
             .unwrap_or_else(|| told_by(study, own))
     };
     let is_first = |own: &&Answer| {
@@ -176,7 +180,7 @@ fn changed<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
         own.parameter == itself || all.iter().all(|other| other.parameter != itself)
     };
     let mut shown: Vec<&Answer> = all.iter().copied().filter(is_first).collect();
-    shown.sort_by(|a, b| better_known(best(a), best(b)));
+    shown.sort_by(|a, b| larger(best(a), best(b)));
     shown
 }
 
@@ -189,11 +193,22 @@ fn unchanged<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
     if named.is_empty() { all } else { named }
 }
 
-/// What is known better stands first: by how sure it is, then by its chance.
-fn better_known(a: &Answer, b: &Answer) -> Ordering {
-    let p = |own: &Answer| own.p.unwrap_or(1.0);
-    let by_chance = || p(a).total_cmp(&p(b));
-    Standing::of(a).cmp(&Standing::of(b)).then_with(by_chance)
+/// What changes more stands first: by its size in what the strip does, times how sure it is.
+fn larger(a: &Answer, b: &Answer) -> Ordering {
+    let rank = |own: &Answer| size(own) * (1.0 - own.p.unwrap_or(1.0));
+    rank(b).total_cmp(&rank(a))
+}
+
+/// Size of a change as a logarithm, of a law over all of its range; of parts of a whole as the logarithm of what is left.
+fn size(of: &Answer) -> f64 {
+    let value = of.value.unwrap_or(0.0);
+    let part = match of.scale {
+        Scale::Ratio => return value.ln().abs(),
+        Scale::PerUnit => return (of.span.unwrap_or(1.0) * value).abs(),
+        Scale::Points if of.kind.is_law() => of.over_all(value).abs() / 100.0,
+        Scale::Points | Scale::OfRange => value.abs() / 100.0,
+    };
+    -(-part.min(0.99)).ln_1p()
 }
 
 /// What is told of a pair: what it does on the whole, or that it acts otherwise at another voltage, whichever is known better.
@@ -221,12 +236,13 @@ fn interaction<'a>(study: &'a Study, answer: &Answer) -> Option<&'a Answer> {
     all.find(is_it)
 }
 
-/// The values at each voltage of what a pair does: against the first of several that are put together.
+/// The values at each voltage of what a pair does, where they show a change: against the first of several that are put together.
 fn at_each_voltage<'a>(study: &'a Study, answer: &Answer) -> Vec<&'a Answer> {
     let is_it = |own: &&Answer| {
         own.kind == Kind::Environment
             && own.voltages_v.len() == 1
             && own.value.is_some()
+            && shows_a_change(own)
             && (own.parameter, &own.material, &own.upper)
                 == (answer.parameter, &answer.material, &answer.upper)
             && answer.lower.contains(&own.lower)
@@ -236,6 +252,14 @@ fn at_each_voltage<'a>(study: &'a Study, answer: &Answer) -> Vec<&'a Answer> {
     all.into_iter()
         .filter(|own| Some(own.lower.as_str()) == first)
         .collect()
+}
+
+/// Whether the interval of a ratio or a difference holds no value without a change.
+fn shows_a_change(own: &Answer) -> bool {
+    let none = if own.scale == Scale::Ratio { 1.0 } else { 0.0 };
+    let ends = own.low_95.zip(own.high_95);
+    ends.or(own.fits_low_95.zip(own.fits_high_95))
+        .is_some_and(|(low, high)| low > none || high < none)
 }
 
 /// What is said of a material of which nothing can be told.
@@ -269,7 +293,7 @@ impl<'a> Sentence<'a> {
     /// What is known best stands first, and what does not change behind what does.
     fn before(&self, other: &Self) -> Ordering {
         let known = |own: &Self| told_by(own.study, own.of[0]);
-        (self.is_alike.cmp(&other.is_alike)).then_with(|| better_known(known(self), known(other)))
+        (self.is_alike.cmp(&other.is_alike)).then_with(|| larger(known(self), known(other)))
     }
 
     fn said(&self, before: &mut Before<'a>) -> String {

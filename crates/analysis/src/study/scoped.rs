@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use ieap_numerics::grouped::Grouped;
-use ieap_numerics::mixed::Estimated;
+use ieap_numerics::mixed::{Estimated, Width};
 use ieap_numerics::sums::dot;
 
 use super::measured::{Measured, Row, Value, distinct, model, one_of};
@@ -213,7 +213,7 @@ impl<'a> Columns<'a> {
             fixed: fixed(k),
             random: one_of(&self.parts, &self.part[k]),
         };
-        self.model(row, vec![0; self.parts.len()])
+        self.model(row, &self.chance(&[]))
     }
 
     /// The number where all strips have one.
@@ -277,14 +277,21 @@ impl<'a> Columns<'a> {
             fixed: fixed(k),
             random: [vec![1.0, self.x[k]], one_of(&self.parts, &self.part[k])].concat(),
         };
-        let components = [0, 1].into_iter().chain(self.parts.iter().map(|_| 2)).collect();
+        // Strips are not alike because their runs repeat; neither are their slopes.
+        let chance = self.chance(&[(1, Width::All), (1, Width::Readings)]);
         let columns = before..of.len() + 1;
-        let told = self.told(self.model(row, components)?, fixed, vec![0.0; columns.end]);
+        let told = self.told(self.model(row, &chance)?, fixed, vec![0.0; columns.end]);
         (!columns.is_empty()).then_some((told, columns))
     }
 
-    fn model(&self, row: impl Fn(usize) -> Row, component_of: Vec<usize>) -> Option<Measured> {
-        let model = model(self.values, (0..self.values.len()).map(row), component_of);
+    /// Columns of chance: these, then what the runs of a strip share.
+    fn chance(&self, of_strips: &[(usize, Width)]) -> Vec<(usize, Width)> {
+        let parts = self.has_parts().then_some((self.parts.len(), Width::Readings));
+        of_strips.iter().copied().chain(parts).collect()
+    }
+
+    fn model(&self, row: impl Fn(usize) -> Row, chance: &[(usize, Width)]) -> Option<Measured> {
+        let model = model(self.values, (0..self.values.len()).map(row), chance);
         Measured::of_columns(self.values.to_vec(), &model)
     }
 
@@ -322,7 +329,7 @@ fn differ(of: &Estimated, columns: std::ops::Range<usize>, each: f64) -> Differ 
 /// The combination that is the mean of numbers, each weighed as it is known.
 fn mean(of: &Estimated, columns: std::ops::Range<usize>, each: f64) -> Vec<f64> {
     let keep: Vec<usize> = columns.clone().collect();
-    let weights = of.plain.part(&keep).solve(&vec![1.0; keep.len()], 1e-12);
+    let weights = of.covariance.part(&keep).solve(&vec![1.0; keep.len()], 1e-12);
     let sum: f64 = weights.iter().sum();
     let mut factors = vec![0.0; of.coefficients.len()];
     columns

@@ -7,7 +7,7 @@ use super::also::USE;
 use super::measured::{Value, distinct};
 use super::policy::LEAST_ERROR;
 use super::scoped::{Columns, Scoped};
-use crate::conditions::HUMIDITY_GAP_PERCENT;
+use crate::conditions::HUMIDITY_KNOWN_TO_PERCENT;
 use crate::laws::Covariate;
 use crate::laws::facts::RunFacts;
 use crate::laws::policy::{INFLATION_LIMIT, LEFT_FOR_OTHERS, LEFT_FOR_TIED, TIED_ABOVE};
@@ -44,14 +44,16 @@ pub(super) struct Other {
     pub slope: Slope,
 }
 
-/// Where levels of the humidity begin: at each value that lies further than the gap between two levels from the begin of the
-/// last, so that a range without gaps has levels too.
-pub(super) fn levels(of: impl Iterator<Item = f64>) -> Vec<f64> {
+/// The humidities that were set: each value that lies further from the last one set than both are known to.
+pub(super) fn set_humidities(of: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut all: Vec<f64> = of.collect();
     all.sort_by(f64::total_cmp);
     let mut begins: Vec<f64> = Vec::new();
     for own in all {
-        if begins.last().is_none_or(|last| own - last > HUMIDITY_GAP_PERCENT) {
+        if begins
+            .last()
+            .is_none_or(|last| own - last > 2.0 * HUMIDITY_KNOWN_TO_PERCENT)
+        {
             begins.push(own);
         }
     }
@@ -105,7 +107,7 @@ impl<'a> Over<'a> {
         let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
         // The runs of a strip at one humidity share how that was set.
         let begins = match followed.of {
-            Covariate::RelativeHumidity => levels(numbers.iter().copied()),
+            Covariate::RelativeHumidity => set_humidities(numbers.iter().copied()),
             _ => Vec::new(),
         };
         let begin = |own: f64| begins.partition_point(|begin| *begin <= own);

@@ -269,16 +269,26 @@ fn two_strips_tell_what_surroundings_did_to_them_and_say_what_their_material_nee
         "{counts:?}"
     );
     assert!(counts.strips_found == counts.true_there, "{counts:?}");
-    let study = study(two, two_effects, 1);
-    let is_open = |own: &&Answer| {
-        own.verdict == Verdict::Open && own.of_strips.as_ref().is_some_and(|strips| strips.is_shown)
+    let unlike = Design {
+        scatter: [0.2, 0.15, 0.05],
+        ..two
     };
-    let open = study.asked().find(is_open).unwrap();
+    let is_open = |own: &&Answer| {
+        own.certainty == Certainty::Open
+            && own.verdict == Verdict::Open
+            && own.of_strips.as_ref().is_some_and(|strips| strips.is_shown)
+    };
+    let mut studies = (0..20).map(|seed| study(unlike, two_effects, seed));
+    let open = studies
+        .find_map(|study| study.asked().find(is_open).cloned())
+        .unwrap();
+    let open = &open;
     assert_eq!(open.scope, Scope::Material, "{open:?}");
     let said = sentence(open);
-    assert!(said.ends_with(" in the two strips measured)."), "{said}");
-    let lead = lead(&study, &open.material).join("\n");
-    assert!(lead.contains(" in the two strips measured)"), "{lead}");
+    assert!(
+        said.ends_with(" in the two strips measured; a third would tell)."),
+        "{said}"
+    );
 }
 
 #[test]
@@ -396,7 +406,7 @@ fn one_run_a_condition_says_three_things() {
         .find(|own| own.parameter == KEYS[0] && own.material == "CPvf" && own.upper == "inert")
         .unwrap();
     assert_eq!((own.basis, own.samples), (Basis::DryPair, 1));
-    assert_eq!(own.degrees_of_freedom, Some(2.0));
+    assert_eq!(own.degrees_of_freedom, None);
     let (fits, all) = (
         own.fits_high_95.unwrap() / own.fits_low_95.unwrap(),
         own.high_95.unwrap() / own.low_95.unwrap(),

@@ -3,7 +3,7 @@
 
 use ieap_domain::testing::{campaign, fit, known, run, tag};
 use ieap_domain::{Campaign, Estimate, RunRecord, Sample};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
@@ -274,11 +274,87 @@ fn laws_hold_and_few_are_false() {
     assert!(nothing.studies_with_false <= 1, "{nothing:?}");
 }
 
+/// Of designs whose humidities lie as they fall, from 2 to 8 points apart, in how many lambda is told to follow the humidity
+/// that doubles it over all of them.
+fn told_of_random_designs(seeds: std::ops::Range<u64>) -> (usize, usize) {
+    let (mut asked, mut told) = (0, 0);
+    for seed in seeds {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut at = random.random_range(20.0..40.0);
+        let mut humidities = vec![at];
+        for _ in 0..random.random_range(4..12) {
+            at += random.random_range(2.0..8.0);
+            humidities.push(at);
+        }
+        let slope = 2.0_f64.ln() / (at - humidities[0]);
+        let design = Design {
+            strips: random.random_range(1..=2),
+            humidities: Box::leak(humidities.into_boxed_slice()),
+            repeats: 1,
+            voltages: random.random_range(1..=2),
+            ..TWO
+        };
+        let truth = [[0.0, slope, 0.0, 0.0, 0.0]; 2];
+        let (runs, campaign, _) = simulated(design, &truth, seed);
+        let study = study(&runs, &campaign);
+        for material in MATERIALS {
+            let of = |own: &&Answer| {
+                (own.kind, own.material.as_str(), own.parameter) == (Kind::HumidityLaw, material, COMPARED[1])
+            };
+            asked += 1;
+            told += usize::from(
+                study
+                    .asked()
+                    .find(of)
+                    .is_some_and(|own| own.verdict == Verdict::Differs),
+            );
+        }
+    }
+    (told, asked)
+}
+
+#[test]
+fn humidities_are_followed_however_they_fall() {
+    // Twelve humidities 4 points apart: no gap makes levels of them.
+    let close = Design {
+        strips: 1,
+        humidities: &[
+            20.0, 24.0, 28.0, 32.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 60.0, 64.0,
+        ],
+        repeats: 1,
+        ..TWO
+    };
+    let (runs, campaign, _) = simulated(close, &TRUE, 3);
+    let own = study(&runs, &campaign);
+    assert!(own.compared.contains(&ieap_domain::Factor::Humidity));
+    assert_eq!(
+        law(&own, Kind::HumidityLaw, "CNaf", COMPARED[1]).verdict,
+        Verdict::Differs
+    );
+    // Three years of a room between 30 and 40 %, its humidity never set.
+    let room = Design {
+        strips: 1,
+        humidities: &[30.0, 31.0, 33.0, 36.0, 38.0, 40.0, 39.0, 37.0, 34.0, 32.0],
+        repeats: 4,
+        ..TWO
+    };
+    let truth = [[0.0, 0.04, 0.0, 0.0, 0.0]; 2];
+    let (runs, campaign, _) = simulated(room, &truth, 3);
+    let own = study(&runs, &campaign);
+    assert_eq!(
+        law(&own, Kind::HumidityLaw, "CNaf", COMPARED[1]).verdict,
+        Verdict::Differs
+    );
+    let (told, asked) = told_of_random_designs(0..12);
+    assert!(told * 100 >= 85 * asked, "{told} of {asked}");
+}
+
 /// `cargo test -p ieap-analysis --lib study::two_scopes -- --include-ignored --nocapture`
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn counts_of_laws() {
     let three = Design { strips: 3, ..TWO };
+    println!("random designs: {:?}", told_of_random_designs(16000..16060));
     for (name, design) in [
         ("two strips", TWO),
         (

@@ -1,5 +1,7 @@
 //! What the study asked, as a page and as table `contrasts`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use ieap_domain::Factor;
 use ieap_domain::number::significant;
 use ieap_domain::quantiles::NORMAL_95;
@@ -243,28 +245,38 @@ pub fn intervals(study: &Study) -> Vec<String> {
     basis(&study.asked().collect::<Vec<_>>())
 }
 
-/// What else changed with what was compared, once for all materials of which it holds.
+/// What else changed with what was compared, once for all pairs and materials of which it holds; how it differed stands with each
+/// answer in the table and in JSON.
 fn causes(asked: &[&Answer]) -> Option<Block> {
-    let mut causes: Vec<(String, Vec<&str>)> = Vec::new();
-    for own in asked
-        .iter()
-        .filter(|own| !own.also_changed.is_empty() && !own.kind.is_by_material())
-    {
-        let cause = format!(
-            "{} over {}: {}",
-            own.upper,
-            own.lower,
-            in_a_row(&own.also_changed)
-        );
-        match causes.iter_mut().find(|(known, _)| *known == cause) {
-            Some((_, of)) if of.contains(&own.material.as_str()) => {}
-            Some((_, of)) => of.push(&own.material),
-            None => causes.push((cause, vec![&own.material])),
-        }
+    let name = |cause: &String| cause.split(" (").next().unwrap_or(cause).to_owned();
+    let mut of_pairs: BTreeMap<(String, &str), BTreeSet<String>> = BTreeMap::new();
+    for own in asked.iter().filter(|own| !own.kind.is_by_material()) {
+        let pair = if own.lower.is_empty() {
+            format!("by {}", own.upper)
+        } else {
+            format!("{} over {}", own.upper, own.lower)
+        };
+        let names = own.also_changed.iter().map(name);
+        of_pairs.entry((pair, &own.material)).or_default().extend(names);
     }
-    let said = causes
-        .iter()
-        .map(|(cause, of)| Block::Say(format!("{}, {cause}.", in_a_row(of))));
+    // Materials by what they share of a pair, then pairs by what they share of materials.
+    let mut of_materials: BTreeMap<(String, BTreeSet<String>), Vec<&str>> = BTreeMap::new();
+    for ((pair, material), names) in of_pairs.into_iter().filter(|(_, names)| !names.is_empty()) {
+        of_materials.entry((pair, names)).or_default().push(material);
+    }
+    let mut causes: BTreeMap<(Vec<&str>, BTreeSet<String>), Vec<String>> = BTreeMap::new();
+    for ((pair, names), of) in of_materials {
+        causes.entry((of, names)).or_default().push(pair);
+    }
+    let said = causes.iter().map(|((of, names), pairs)| {
+        let names: Vec<&String> = names.iter().collect();
+        Block::Say(format!(
+            "{}, {}: {}.",
+            in_a_row(of),
+            in_a_row(pairs),
+            in_a_row(&names)
+        ))
+    });
     let head = Block::say(
         "What changed with it in this design may be the cause as well; only runs in another order tell which (`ieap next`).",
     );

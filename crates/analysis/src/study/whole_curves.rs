@@ -7,8 +7,6 @@
 
 use std::collections::BTreeMap;
 
-use ieap_numerics::student::{quantile, quantile_95};
-
 use super::answer::{Answer, Kind};
 use super::asking::Asking;
 use super::combined::Term;
@@ -33,7 +31,8 @@ impl Asking<'_> {
             return Vec::new();
         }
         let mut found = Vec::new();
-        for pair in self.pairs(material).into_iter().filter(|pair| pair.is_of_study) {
+        let pairs = self.pairs(material, &[widest]).into_iter();
+        for pair in pairs.filter(|pair| pair.is_of_study) {
             let shared = self.shared(widest, &pair.upper, &pair.lower);
             let names = (pair.upper.name.as_str(), pair.lower.name.as_str());
             let single = shared
@@ -115,7 +114,7 @@ impl Asking<'_> {
             .map(|&voltage| (voltage, range_at(voltage)))
             .collect();
         if !ranges.values().all(|range| *range > 0.0) {
-            return over_times(Vec::new(), blank);
+            return over_times(&[], |_, _| blank.clone(), &blank);
         }
         let term = |(of, weights): &Weights<'_>, at: i32| -> Vec<f64> {
             let mut factors = vec![0.0; of.at[&at].cells.len()];
@@ -125,59 +124,57 @@ impl Asking<'_> {
             }
             factors
         };
-        let at_time = |&at: &i32| {
+        let at_time = |at: i32, of: usize| {
             let terms: Vec<Term> = sides
                 .iter()
                 .map(|side| Term::of_conditions(&side.0.at[&at], term(side, at)))
                 .collect();
-            Answer {
+            let blank = Answer {
                 most_at_s: Some(time_s(at)),
-                ..self.answer(&terms, voltages, blank.is_of_study, blank.clone())
-            }
+                ..blank.clone()
+            };
+            self.chosen(&terms, voltages, blank.is_of_study, (blank, of))
         };
-        over_times(times.iter().map(at_time).collect(), blank)
+        over_times(&times, at_time, &blank)
     }
 }
 
-/// The answers at several times as one: where the curves differ most, and what holds of all times.
-fn over_times(mut all: Vec<Answer>, blank: Answer) -> Answer {
+/// The answers at several times as one: where the curves differ most, and what holds of all times. `at`: that at a time, which
+/// was chosen from so many.
+fn over_times(times: &[i32], at: impl Fn(i32, usize) -> Answer, blank: &Answer) -> Answer {
+    let mut all: Vec<(i32, Answer)> = times.iter().map(|&time| (time, at(time, 1))).collect();
     // A time at which nothing tells the scatter has no bound.
-    if all.iter().any(|own| own.no_more_than.is_some()) {
-        all.retain(|own| own.no_more_than.is_some());
+    if all.iter().any(|(_, own)| own.no_more_than.is_some()) {
+        all.retain(|(_, own)| own.no_more_than.is_some());
     }
-    let no_more_than = all.iter().filter_map(|own| own.no_more_than).reduce(f64::max);
-    let least = all.iter().filter_map(|own| own.p).reduce(f64::min);
+    let no_more_than = all
+        .iter()
+        .filter_map(|(_, own)| own.no_more_than)
+        .reduce(f64::max);
+    let least = all.iter().filter_map(|(_, own)| own.p).reduce(f64::min);
     let times_s = all
         .first()
-        .and_then(|own| own.most_at_s)
-        .zip(all.last().and_then(|own| own.most_at_s));
-    let count = all.len() as f64;
+        .zip(all.last())
+        .map(|(a, b)| (time_s(a.0), time_s(b.0)));
+    let count = all.len();
     // Where a difference is shown, the largest of those that are.
-    let is_shown = |own: &Answer| own.p.is_some_and(|p| count * p <= CLAIMED_BELOW);
-    let size = |own: &Answer| (is_shown(own), own.value.map_or(0.0, f64::abs));
+    let is_shown = |own: &Answer| own.p.is_some_and(|p| count as f64 * p <= CLAIMED_BELOW);
+    let size = |(_, own): &(i32, Answer)| (is_shown(own), own.value.map_or(0.0, f64::abs));
     let order = |a: &(bool, f64), b: &(bool, f64)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
-    let largest = all.into_iter().max_by(|a, b| order(&size(a), &size(b)));
-    let Some(largest) = largest.filter(|_| count >= FEWEST_TIMES as f64) else {
+    let largest = all.iter().max_by(|a, b| order(&size(a), &size(b)));
+    let Some((time, _)) = largest.filter(|_| count >= FEWEST_TIMES) else {
         let reason =
             "the curves of both sides have too few times in common at equal voltage, or stay at nothing";
         return Answer {
             reason: Some(reason.to_owned()),
-            ..blank
+            ..blank.clone()
         };
     };
     // The time was chosen by what was found there: the interval holds at all of them together.
-    let freedom = largest.degrees_of_freedom.unwrap_or(f64::INFINITY);
-    let wider = |freedom: f64| quantile(1.0 - 0.025 / count, freedom) / quantile_95(freedom);
-    let value = largest.value.unwrap_or_default();
-    let far = |end: Option<f64>, freedom: f64| end.map(|end| value + (end - value) * wider(freedom));
     Answer {
-        fits_low_95: far(largest.fits_low_95, f64::INFINITY),
-        fits_high_95: far(largest.fits_high_95, f64::INFINITY),
-        low_95: far(largest.low_95, freedom),
-        high_95: far(largest.high_95, freedom),
-        p: least.map(|p| (count * p).min(1.0)),
+        p: least.map(|p| (count as f64 * p).min(1.0)),
         no_more_than,
         times_s,
-        ..largest
+        ..at(*time, count)
     }
 }

@@ -139,7 +139,7 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
     let samples = answers.iter().map(|own| own.samples).max().unwrap_or(0);
     let of = |basis: &Basis| {
         match basis {
-        Basis::Repeats if samples > 1 => "Intervals hold the scatter from run to run, between samples, and of samples in environments (a mixed model, REML, errors of Kenward and Roger).".to_owned(),
+        Basis::Repeats if samples > 1 => "Intervals hold the scatter from run to run, between samples, and of samples in environments (a mixed model, its scatters integrated).".to_owned(),
         Basis::Repeats => "Intervals hold the scatter from run to run. Of one strip nothing is said of another.".to_owned(),
         Basis::Stated => "One run a condition: intervals are by the scatter that campaign.toml states.".to_owned(),
         Basis::DryPair => "One run a condition: nothing tells the scatter from run to run by itself. Intervals are by the scatter of the dry environments about their mean at each voltage; what would undo a difference stands beside it.".to_owned(),
@@ -149,7 +149,7 @@ pub fn basis(answers: &[&Answer]) -> Vec<String> {
     };
     let mut said: Vec<String> = found.iter().map(of).collect();
     if answers.iter().any(|own| own.of_material.is_some()) {
-        said.push("What goes with humidity, voltage or another number is told of the strips measured, each with a level of its own; of the material it is shown where it stands beside what strips differ by (their slopes by chance, Kenward and Roger).".to_owned());
+        said.push("What goes with humidity, voltage or another number is told of the strips measured, each with a level of its own; of the material it is shown where it stands beside what strips differ by (their slopes by chance).".to_owned());
     }
     if answers.iter().any(|own| own.of_strips.is_some()) {
         said.push("What surroundings do is told of the material; where that is open and the strips as they were measured show it, it is said of them: what a strip does in surroundings that it was put into once is not told from how it was put there.".to_owned());

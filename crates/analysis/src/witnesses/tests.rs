@@ -280,3 +280,36 @@ fn a_humidity_that_may_be_a_fraction_waits_until_a_person_says_what_it_is() {
     assert_eq!(waiting, ["runs/x.csv", "runs/y.csv", "runs/z.csv"]);
     assert_eq!(asked(&runs), told);
 }
+
+#[test]
+fn fractions_of_one_sheet_are_one_question_and_a_dry_gas_none() {
+    let stated = |name: &str, environment: &str, percent: &str| {
+        let mut run = measured_on(name, "A", "A", 0.0);
+        run.tags.retain(|own| own.key != keys::ENVIRONMENT);
+        for (key, value) in [
+            (keys::ENVIRONMENT, environment),
+            (keys::RELATIVE_HUMIDITY_PERCENT, percent),
+        ] {
+            let mut own = tag(key, value);
+            own.source = TagSource::RunSheet;
+            run.tags.push(own);
+        }
+        run
+    };
+    let runs = [
+        stated("n", "inert", "0.4"),
+        stated("a", "air", "0.2"),
+        stated("b", "air", "0.35"),
+        stated("c", "air", "0.8"),
+    ];
+    let found = asked(&runs);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        found[0].0,
+        "3 runs: the run sheet says relative humidity 0.2 to 0.8\u{a0}%, or 20 to 80\u{a0}% if that is a fraction"
+    );
+    assert!(
+        found[0].1[0].starts_with(r#"ieap tag "runs/a.csv" relative_humidity_percent=20 && ieap tag "#),
+        "{found:?}"
+    );
+}

@@ -10,6 +10,7 @@ use ieap_numerics::sums::{add, dot};
 
 use crate::sampled::{Sampled, Span};
 
+use super::kinds::KindsOfNoise;
 use super::nodes::Nodes;
 use super::whitening::Whitener;
 
@@ -75,8 +76,39 @@ impl Compressed {
     }
 }
 
+impl Compressed {
+    /// By the means that the kinds of noise were told from, whitened by what they are together; readings are in units of
+    /// `scale`.
+    pub(crate) fn by_means(sampled: &Sampled, noise: &KindsOfNoise, scale: &[f64]) -> Compressed {
+        let of_span = |(place, span): (usize, &Span)| {
+            CompressedSpan::with(sampled, span, |elapsed_s, rates| {
+                noise.white_columns(
+                    place,
+                    &sampled.values[span.first..span.end],
+                    scale,
+                    elapsed_s,
+                    rates,
+                )
+            })
+        };
+        Compressed {
+            spans: sampled.spans.iter().enumerate().map(of_span).collect(),
+        }
+    }
+}
+
 impl CompressedSpan {
     fn new(sampled: &Sampled, span: &Span, whitener: &Whitener) -> CompressedSpan {
+        CompressedSpan::with(sampled, span, |elapsed_s, rates| {
+            condensed(sampled, span, whitener, elapsed_s, rates)
+        })
+    }
+
+    fn with(
+        sampled: &Sampled,
+        span: &Span,
+        condensed: impl FnOnce(&[f64], &[f64]) -> (Vec<Vec<f64>>, Vec<f64>),
+    ) -> CompressedSpan {
         let first_s = sampled.time_s[span.first];
         let elapsed_s: Vec<f64> = sampled.time_s[span.first..span.end]
             .iter()
@@ -97,7 +129,7 @@ impl CompressedSpan {
         };
         let rates = (0..nodes).map(|node| (slowest + SPACING * node as f64).exp());
         let rates: Vec<f64> = std::iter::once(0.0).chain(rates).collect();
-        let (columns, target) = condensed(sampled, span, whitener, &elapsed_s, &rates);
+        let (columns, target) = condensed(&elapsed_s, &rates);
         let (design, target) = reduced(columns, target);
         CompressedSpan {
             segment: span.segment,

@@ -5,6 +5,7 @@ pub(super) mod bootstrap;
 pub(super) mod branch_evidence;
 mod compressed;
 pub(super) mod feature;
+pub(super) mod kinds;
 pub(super) mod layout;
 pub(super) mod minimum;
 mod nodes;

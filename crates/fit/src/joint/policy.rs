@@ -58,3 +58,16 @@ pub(super) const CLOSEST_SHAPES_LOG: f64 = 0.6;
 pub(super) const POWERS: [(i32, usize); 3] = [(1, 12), (2, 4), (3, 4)];
 /// Readings for each of the shapes that follow the voltage, at least. Chosen.
 pub(super) const READINGS_PER_ANSWER: usize = 24;
+
+/// Means that the readings before the first edge are taken by at most, a record. Chosen.
+pub(super) const BINS_AT_REST: f64 = 60.0;
+/// Width of a mean behind an edge, in parts of the time since it, times the edges of the record. Chosen: a response of which a
+/// twentieth of the time has passed is straight to 1e-4 of it.
+pub(super) const BIN_WIDTH: f64 = 0.05;
+/// Factor from one correlation time of slow noise to the next, and from one size of it to the next: between two such neighbours
+/// the likelihood hardly differs (docs/validation/fitting.md counts what holds).
+pub(super) const KIND_RATIO: f64 = 4.0;
+/// Longest correlation time of slow noise, in records: beyond it all are the same walk.
+pub(super) const SLOWEST_RECORDS: f64 = 4.0;
+/// Largest slow noise, in variances of the white noise of a reading. Chosen: 9 parts in 10 of the variance.
+pub(super) const LARGEST_SLOW_RATIO: f64 = 9.0;

@@ -1,7 +1,7 @@
 //! Several runs with parameters shared or free: one sum of squares over one list of coordinates.
 
 use ieap_domain::Drive;
-use ieap_model::{Branch, LumpedModel};
+use ieap_model::LumpedModel;
 use ieap_numerics::least_squares::{Bounds, Levenberg, Local, Minimum, Problem};
 
 use super::layout::Layout;
@@ -60,17 +60,7 @@ impl<'a> JointProblem<'a> {
 
     /// The model of a run.
     pub(crate) fn model(&self, local: &[f64]) -> LumpedModel {
-        let layout = self.layout;
-        let branch = |k: usize| Branch {
-            resistance_ohm_cm2: local[layout.resistance(k)].exp(),
-            capacitance_f_per_cm2: local[layout.capacitance(k)].exp(),
-        };
-        LumpedModel {
-            branches: (0..layout.branches).map(branch).collect(),
-            steady_state_resistance_ohm_cm2: local[layout.steady()].max(0.0).recip(),
-            charge_to_curvature_per_c_cm: local[layout.coupling()],
-            relaxation_rate_per_s: local[layout.rate()].max(0.0),
-        }
+        self.layout.model(local)
     }
 
     pub(crate) fn offsets(&self, local: &[f64]) -> Offsets {

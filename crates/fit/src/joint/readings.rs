@@ -11,6 +11,7 @@ use ieap_numerics::noise::local_scatter;
 use ieap_numerics::sums::peak;
 
 use super::compressed::{Compressed, CompressedSpan, Mode};
+use super::kinds::{Bins, KindsOfNoise};
 use super::noise::{Noise, crowding};
 use super::whitening::Whitener;
 
@@ -48,6 +49,42 @@ impl Response {
             whitener,
             compressed,
         }
+    }
+
+    /// The same with the kinds of noise that a fit tells which has `left` so much of the readings and searched `columns`, given at
+    /// times in s; none where too few readings are left to tell any.
+    pub(crate) fn with_kinds(
+        self,
+        left: &[f64],
+        columns: impl FnOnce(&[f64]) -> Vec<Vec<f64>>,
+    ) -> Option<Response> {
+        let floor = self.noise.floor.max(f64::MIN_POSITIVE);
+        let scale: Vec<f64> = self.noise.sd.iter().map(|sd| sd / floor).collect();
+        let bins = Bins::of(&self.sampled);
+        let per_scale: Vec<f64> = scale.iter().map(|scale| scale.recip()).collect();
+        let per_scale = bins.means(&per_scale);
+        let mut columns = columns(&bins.time_s);
+        for column in &mut columns {
+            column
+                .iter_mut()
+                .zip(&per_scale)
+                .for_each(|(value, per)| *value *= per);
+        }
+        let left: Vec<f64> = left
+            .iter()
+            .zip(&scale)
+            .map(|(left, scale)| left / scale)
+            .collect();
+        let least = LEAST_NOISE_PART * peak(&self.sampled.values);
+        let kinds = KindsOfNoise::of(&self.sampled, bins, &left, &columns, least)?;
+        Some(Response {
+            compressed: Compressed::by_means(&self.sampled, &kinds, &scale),
+            noise: Noise {
+                freedom: kinds.freedom,
+                ..self.noise
+            },
+            ..self
+        })
     }
 
     /// The same readings and noise with other values.

@@ -4,7 +4,7 @@
 use crate::bending::Bending;
 use crate::electrical::Electrical;
 use crate::joint::policy::{CHOSEN_WIDER, FOLLOWED_LOG};
-use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE};
+use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE, NARROW_PART};
 use crate::zero::Zero;
 use ieap_domain::Estimate;
 use ieap_numerics::least_squares::{Minimum, Problem, Stop};
@@ -15,7 +15,7 @@ use super::feature::Feature;
 use super::minimum::{LIMIT, SETTLE, electrical_starts, excess, minimum};
 use super::problem::JointProblem;
 use super::profile::{Deeper, Interval, Solved};
-use super::readings::RunReadings;
+use super::readings::{Response, RunReadings};
 use super::start::Start;
 
 /// Restarts from deeper minima met on the way.
@@ -44,6 +44,39 @@ pub(crate) struct Judged {
     /// Evaluations.
     pub(crate) evaluations: u64,
     parabolic: bool,
+}
+
+/// The minimum of a run over both responses from where its two steps have put it, with intervals from the covariance; none where
+/// one of them is so wide that the sum of squares need not be a parabola over it.
+pub(crate) fn narrow(readings: &RunReadings, start: &Start) -> Option<Judged> {
+    let found = minimum(readings, std::slice::from_ref(start))?;
+    let freedom = |response: &Option<Response>| response.as_ref().map(|own| own.noise.freedom);
+    let current = freedom(&readings.current)?;
+    let bending = freedom(&readings.curvature).map_or(current, |own| own.min(current));
+    let solved = Solved::new(&found.0, found.1.clone());
+    let is_narrow = |feature: Feature| match feature {
+        // Linear in the readings.
+        Feature::Steady => true,
+        _ => {
+            let freedom = if feature.is_electrical() { current } else { bending };
+            let quantile = quantile_95(freedom);
+            let own = solved.linear(feature, 0, quantile);
+            let size = match feature {
+                Feature::Coupling | Feature::Rate => own.value.abs(),
+                _ => 1.0,
+            };
+            quantile * own.standard_error <= NARROW_PART * size
+        }
+    };
+    if excess(&found.0, &found.1) > 1.0 || !wanted(&found.0).all(is_narrow) {
+        return None;
+    }
+    let mut judged = Judged {
+        parabolic: true,
+        ..Judged::unsettled(found.0.layout.branches, &found.1)
+    };
+    settle(found, [current, bending], &mut judged);
+    Some(judged)
 }
 
 /// The minimum of a run over both responses, from its two-step solution, with intervals of every feature about it;

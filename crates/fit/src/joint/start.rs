@@ -3,6 +3,7 @@
 use crate::bending::Bending;
 use crate::electrical::Electrical;
 use crate::joint::policy::FARTHEST_LOG;
+use ieap_domain::Drive;
 use ieap_numerics::least_squares::Bounds;
 use ieap_numerics::sums;
 
@@ -90,6 +91,59 @@ impl Start {
         Layout {
             branches: (self.local.len() - 5) / 2,
         }
+    }
+}
+
+/// Step of the difference quotients of columns, in logarithms and in parts of a parameter.
+const STEP: f64 = 1e-5;
+
+impl Start {
+    /// What the current, or the curvature, at these times gains by each of its parameters that is searched, per logarithm or
+    /// part of it, beside its zero.
+    pub(crate) fn columns(&self, drive: &Drive, area_cm2: f64, bends: bool, time_s: &[f64]) -> Vec<Vec<f64>> {
+        let layout = self.layout();
+        let (own, zero) = if bends {
+            (layout.coupling()..=layout.rate(), layout.curvature_offset())
+        } else {
+            (0..=layout.steady(), layout.current_offset())
+        };
+        let at = |local: &[f64]| {
+            let model = layout.model(local);
+            if bends {
+                model.curvature_per_cm(drive, area_cm2, time_s)
+            } else {
+                model.current_a(drive, area_cm2, time_s)
+            }
+        };
+        let record_s = time_s
+            .last()
+            .zip(time_s.first())
+            .map_or(1.0, |(last, first)| last - first);
+        let size = |place: usize| {
+            let own = self.local[place].abs();
+            match place {
+                _ if layout.is_logarithm(place) => 1.0,
+                _ if place == layout.steady() => own.max((-self.local[layout.resistance(0)]).exp()),
+                _ if place == layout.rate() => own.max(record_s.recip()),
+                _ => own,
+            }
+        };
+        let column = |place: usize| {
+            let moved = |by: f64| {
+                let mut local = self.local.clone();
+                local[place] += by * size(place);
+                at(&local)
+            };
+            let pairs = moved(STEP).into_iter().zip(moved(-STEP));
+            pairs
+                .map(|(above, below)| (above - below) / (2.0 * STEP))
+                .collect()
+        };
+        let mut columns: Vec<Vec<f64>> = own.filter(|&place| self.searched[place]).map(column).collect();
+        if self.searched[zero] {
+            columns.push(vec![1.0; time_s.len()]);
+        }
+        columns
     }
 }
 

@@ -5,6 +5,7 @@ mod branches;
 mod calibration;
 mod edges;
 mod groups;
+mod kinds;
 mod known;
 mod limits;
 mod memory;

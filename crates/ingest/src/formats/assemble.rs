@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::cells::{CellColumn, CellTable};
-use super::columns::{holds_text, judge_columns, read_flags};
+use super::columns::{judge_columns, read_flags};
 use super::error::{ReadError, quoted};
 use super::plausible::{implausible, is_impossible};
-use super::range_end;
 use super::time_axis::{self, TimeAxis};
+use super::{no_reading, range_end, rivals};
 use crate::RunTable;
-use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE, SAME_READING_SHARE};
+use crate::formats::policy::{BAD_SHARE, MOSTLY_CAPACITIVE};
 use crate::text::header::{Header, Meaning};
 use ieap_domain::number::exact;
 use ieap_domain::unit::Conversion;
@@ -83,7 +83,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     }
     check_ragged(raw, issues)?;
     read_flags(raw);
-    let meanings = judge_columns(raw, issues);
+    let mut meanings = judge_columns(raw, issues);
     let is_spectrum = is_spectrum(&meanings);
     // Rows of a spectrum stand for frequencies: a time that is that of its start, or too coarse to tell them apart, orders none.
     let orders = |index: &usize| {
@@ -93,7 +93,7 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
     let time_index = time_column(raw, &meanings)?.filter(orders);
     let axis = match time_index {
         Some(index) => {
-            let conversion = conversion_of(&meanings[index]);
+            let conversion = meanings[index].conversion();
             let column = &raw.headers[index].raw_name;
             let time_s: Vec<f64> = raw.cells.columns[index]
                 .numbers
@@ -115,7 +115,10 @@ fn table_of(raw: &mut Raw, issues: &mut Vec<Issue>) -> Result<RunTable, ReadErro
             "no row with a time",
         ));
     }
-    one_response_each(raw, &meanings)?;
+    // An instrument's software writes its own columns in an order of its own.
+    if raw.must_be_run {
+        rivals::settle(&raw.headers, &raw.cells, &mut meanings, issues)?;
+    }
     let mut channels = channels(raw, &meanings, time_index, &axis, issues);
     issues.extend(turn_imaginary(&mut channels));
     let responds = |channel: &Channel| {
@@ -282,54 +285,6 @@ fn time_column(raw: &Raw, meanings: &[Meaning]) -> Result<Option<usize>, ReadErr
     })
 }
 
-/// Refuses two columns of one response of a run that hold other readings: nothing says which is right.
-fn one_response_each(raw: &Raw, meanings: &[Meaning]) -> Result<(), ReadError> {
-    let is_response = |index: &usize| {
-        let quantity = meanings[*index].quantity();
-        raw.must_be_run
-            && quantity.is_some_and(Quantity::is_response)
-            && raw.headers[*index].is_named_wholly()
-    };
-    let value = |index: usize, row: usize| {
-        conversion_of(&meanings[index]).apply(raw.cells.columns[index].numbers[row])
-    };
-    let differ = |a: usize, b: usize| {
-        let pairs = (0..raw.cells.rows()).map(|row| (value(a, row), value(b, row)));
-        pairs
-            .into_iter()
-            .any(|(a, b)| (a - b).abs() > SAME_READING_SHARE * a.abs().max(b.abs()))
-    };
-    let found: Vec<usize> = (0..meanings.len()).filter(is_response).collect();
-    for (at, &second) in found.iter().enumerate() {
-        let is_twin = |first: &&usize| {
-            meanings[**first].quantity() == meanings[second].quantity()
-                && raw.headers[**first].position_mm == raw.headers[second].position_mm
-        };
-        if let Some(&first) = found[..at].iter().find(is_twin)
-            && differ(first, second)
-        {
-            let name = |index: usize| quoted(&raw.headers[index].raw_name);
-            return Err(ReadError::Column {
-                line: raw.cells.header_line,
-                index: second + 1,
-                column: name(second),
-                reason: format!(
-                    "it measures what column {} does and holds other readings; say which counts, or mend the unit of one",
-                    name(first)
-                ),
-            });
-        }
-    }
-    Ok(())
-}
-
-fn conversion_of(meaning: &Meaning) -> Conversion {
-    match meaning {
-        Meaning::Known { conversion, .. } => *conversion,
-        _ => Conversion::IDENTITY,
-    }
-}
-
 fn channels(
     raw: &mut Raw,
     meanings: &[Meaning],
@@ -350,7 +305,7 @@ fn channels(
     for (index, header) in raw.headers.iter().enumerate() {
         let column = &mut raw.cells.columns[index];
         let is_texts = column.keep_text && header.meaning.quantity() != Some(Quantity::OpenCircuit);
-        if Some(index) == time_index || is_texts || holds_text(column) {
+        if Some(index) == time_index || is_texts || column.holds_text() {
             continue;
         }
         let mut quantity = meanings[index].quantity().unwrap_or(Quantity::Other);
@@ -363,7 +318,7 @@ fn channels(
                 quoted(&header.raw_name),
                 quoted(&first.raw_name)
             );
-            issues.push(Issue::note("duplicate-quantity", message).at(format!("column {}", index + 1)));
+            issues.push(Issue::note(rivals::DUPLICATE, message).at(format!("column {}", index + 1)));
             quantity = Quantity::Other;
         }
         if quantity == Quantity::Time {
@@ -372,7 +327,7 @@ fn channels(
         // A second time, or a second current, keeps the file's own unit, for it is not interpreted.
         let conversion = match quantity {
             Quantity::Other => Conversion::IDENTITY,
-            _ => conversion_of(&meanings[index]),
+            _ => meanings[index].conversion(),
         };
         let mut numbers = std::mem::take(&mut column.numbers);
         let gaps = take_impossible(&mut numbers, quantity, conversion, &codes);
@@ -438,18 +393,29 @@ fn channels(
     channels
 }
 
-/// Numbers that no humidity or temperature can be, with their rows: what an instrument writes where a sensor is off, it writes for
-/// all that the sensor measures.
+/// Numbers that are no reading of their column, with their rows: what an instrument writes where a sensor is off, it writes
+/// for all that the sensor measures.
 fn codes(raw: &Raw, meanings: &[Meaning]) -> BTreeSet<(usize, u64)> {
     let of_column = |(column, meaning): (&CellColumn, &Meaning)| {
         let (quantity, conversion) = (
             meaning.quantity().unwrap_or(Quantity::Other),
-            conversion_of(meaning),
+            meaning.conversion(),
         );
+        let possible: Vec<f64> = (column.numbers.iter())
+            .map(|number| {
+                if is_impossible(quantity, *number, conversion.apply(*number)) {
+                    f64::NAN
+                } else {
+                    *number
+                }
+            })
+            .collect();
+        let found = no_reading::codes(quantity, &possible);
         let is_code = |number: &f64| {
             quantity != Quantity::Other
                 && number.is_finite()
-                && is_impossible(quantity, *number, conversion.apply(*number))
+                && (found.contains(&number.to_bits())
+                    || is_impossible(quantity, *number, conversion.apply(*number)))
         };
         let rows = column
             .numbers

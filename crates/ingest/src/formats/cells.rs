@@ -1,5 +1,6 @@
 //! Columns of cells as read from a file, before units, order and completeness are judged.
 
+use super::policy::BAD_SHARE;
 use crate::text::Cell;
 
 /// How often something was met, and where first.
@@ -26,6 +27,9 @@ impl Tally {
     }
 }
 
+/// Most different texts among the numbers of a column that may stand for readings that were not taken. Chosen.
+pub const MOST_WORDS: usize = 3;
+
 /// One column of cells.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CellColumn {
@@ -35,6 +39,8 @@ pub struct CellColumn {
     pub filled: usize,
     /// Cells that hold a text where a number must stand.
     pub text: Tally,
+    /// What these cells hold, each text once, as far as they are few.
+    pub words: Vec<String>,
     /// Cells that hold `NaN`, `inf` or a number that is too large.
     pub not_finite: Tally,
     /// Row and content of text cells, collected where `keep_text` is set.
@@ -61,6 +67,15 @@ impl CellColumn {
         column
     }
 
+    /// Whether so many cells hold text that the column is none of numbers. A few words that stand again and again, `No Data`, say
+    /// only that there was no reading.
+    pub fn holds_text(&self) -> bool {
+        let count = self.text.count;
+        let has_digit = |word: &String| word.contains(|c: char| c.is_ascii_digit());
+        let are_words = self.words.len() <= MOST_WORDS && !self.words.iter().any(has_digit);
+        2 * count > self.filled || (!are_words && count > 1 && count as f64 > BAD_SHARE * self.filled as f64)
+    }
+
     /// Adds the cell of the next row, which stands on `line`.
     pub fn push(&mut self, line: usize, cell: Cell, raw: impl Fn() -> String) {
         let row = self.numbers.len() as u32;
@@ -76,6 +91,9 @@ impl CellColumn {
                 if self.keep_text {
                     self.texts.push((row, raw()));
                 } else {
+                    if self.words.len() <= MOST_WORDS && !self.words.contains(&raw()) {
+                        self.words.push(raw());
+                    }
                     self.text.add(line, raw);
                 }
                 f64::NAN
@@ -146,7 +164,8 @@ impl CellTable {
                 // Said once, of the table as a whole.
                 text: Tally::default(),
                 not_finite: Tally::default(),
-                keep_text: column.keep_text || column.text.count > 0,
+                words: Vec::new(),
+                keep_text: column.keep_text || column.holds_text(),
             }
         };
         CellTable {

@@ -3,7 +3,6 @@
 use super::assemble::Raw;
 use super::cells::CellColumn;
 use super::error::quoted;
-use crate::formats::policy::BAD_SHARE;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::likely;
 use ieap_domain::{Issue, Quantity};
@@ -34,7 +33,7 @@ pub fn judge_columns(raw: &Raw, issues: &mut Vec<Issue>) -> Vec<Meaning> {
         issues.extend(refused_unit(header).map(|issue| issue.at(place(raw.cells.header_line))));
         issues.extend(text(header, column).map(|issue| issue.at(place(column.text.line()))));
         issues.extend(not_finite(header, column).map(|issue| issue.at(place(column.not_finite.line()))));
-        if holds_text(column) {
+        if column.holds_text() {
             Meaning::Other
         } else {
             header.meaning.clone()
@@ -63,7 +62,7 @@ pub const UNREAD: &str = "column-unread";
 fn take_likely(raw: &Raw, meanings: &mut [Meaning], issues: &mut Vec<Issue>) {
     for index in 0..meanings.len() {
         let header = &raw.headers[index];
-        let Some(found) = likely(header).filter(|_| !holds_text(&raw.cells.columns[index])) else {
+        let Some(found) = likely(header).filter(|_| !raw.cells.columns[index].holds_text()) else {
             continue;
         };
         let quantity = found.quantity;
@@ -119,7 +118,7 @@ fn text(header: &Header, column: &CellColumn) -> Option<Issue> {
     let (name, first) = (quoted(&header.raw_name), quoted(first));
     let (count, filled) = (column.text.count, column.filled);
     let message = format!("{count} of {filled} cells of column {name} hold text, first {first}");
-    Some(match (holds_text(column), &header.meaning) {
+    Some(match (column.holds_text(), &header.meaning) {
         (false, Meaning::Other) => Issue::note(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
         (false, _) => Issue::warning(TEXT_AMONG_NUMBERS, message + "; taken as empty"),
         (true, Meaning::Other) => Issue::note("text-column", message + "; the column is left out"),
@@ -141,10 +140,4 @@ fn not_finite(header: &Header, column: &CellColumn) -> Option<Issue> {
         Meaning::Other => Issue::note(NOT_FINITE, message),
         _ => Issue::warning(NOT_FINITE, message),
     })
-}
-
-/// Whether so many cells hold text that the column is none of numbers.
-pub fn holds_text(column: &CellColumn) -> bool {
-    let count = column.text.count;
-    2 * count > column.filled || (count > 1 && count as f64 > BAD_SHARE * column.filled as f64)
 }

@@ -10,7 +10,7 @@ use ieap_domain::Issue;
 pub const DATE_UNCERTAIN: &str = "date-uncertain";
 
 /// Why a date is not used whose parts may be read in two ways.
-const EITHER_ORDER: &str = "day and month may stand in either order";
+pub const EITHER_ORDER: &str = "day and month may stand in either order";
 
 /// The issue of a date `raw` that is not used as the start, for that reason.
 pub fn uncertain(raw: &str, reason: &str) -> Issue {

@@ -1,9 +1,12 @@
 //! A delimited text file as a whole: encoding, comments, layout, cells, and whether it was cut.
 
+use std::borrow::Cow;
+
 use super::cells::CellTable;
 use super::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, push_line};
 use crate::text::lines::lines_of;
+use crate::text::units_in_cells::lifted;
 use crate::text::whole_line::sign_of_whole;
 use crate::text::{Cell, Decimal, Decoded, Delimiter, Line, decode, number};
 use ieap_domain::{Issue, RunStatus};
@@ -139,7 +142,14 @@ pub fn decoded(bytes: &[u8]) -> Result<Decoded<'_>, ReadError> {
     if bytes.is_empty() {
         Err(ReadError::Empty)
     } else {
-        Ok(decode(bytes))
+        let decoded = decode(bytes);
+        Ok(match lifted(&decoded.text) {
+            Some(text) => Decoded {
+                text: Cow::Owned(text),
+                ..decoded
+            },
+            None => decoded,
+        })
     }
 }
 

@@ -11,6 +11,7 @@ use crate::table::{Answers, layout};
 use crate::text::decode;
 use crate::text::lines::lines_of;
 use crate::text::policy::HEAD_BYTES;
+use crate::text::units_in_cells::lifted;
 use ieap_domain::{Campaign, DateOrder};
 
 /// How a file begins.
@@ -53,6 +54,7 @@ impl<'a> FileHead<'a> {
     pub fn text(&self) -> Option<&str> {
         let found = self.text.get_or_init(|| {
             let text = decode(self.bytes).text;
+            let text = lifted(&text).map_or(text, Cow::Owned);
             match text.find('\0') {
                 None => Some(text),
                 Some(at) => {

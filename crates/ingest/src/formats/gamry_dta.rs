@@ -31,7 +31,7 @@ impl Format for GamryDta {
             id: "gamry-dta",
             title: "Gamry Framework EXPLAIN file (.DTA)",
             extensions: &["dta"],
-            version: 5,
+            version: 6,
         }
     }
 

@@ -23,15 +23,18 @@ pub mod labview_tdms;
 pub mod matlab_mat;
 pub mod netzsch;
 mod no_data;
+pub mod no_reading;
 pub mod overload;
 pub mod palmsens;
 pub mod parquet;
+mod percent_cells;
 pub mod plain_table;
 pub mod plausible;
 pub(crate) mod policy;
 pub mod probe_table;
 mod range_end;
 pub mod recognition;
+pub mod rivals;
 pub mod sample_clock;
 pub mod sheet_cells;
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::assemble::{Raw, assemble};
 use super::delimited;
 use super::recognition::{FileHead, Match};
 use super::{About, Format, ReadContext, ReadError};
-use crate::table::{self, layout, start, times};
+use crate::table::{self, layout, start, times, zone};
 use crate::text::header::Header;
 use crate::text::lines::lines_of;
 use crate::text::{Delimiter, Line};
@@ -21,7 +21,7 @@ impl Format for PlainTable {
             id: "plain-table",
             title: "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)",
             extensions: &["csv", "tsv", "txt", "dat"],
-            version: 9,
+            version: 10,
         }
     }
 
@@ -107,9 +107,13 @@ pub fn runs(
     let mut found = Vec::new();
     for (index, mut table) in tables.into_iter().enumerate() {
         let settled = times::settle(&mut table, context, issues)?;
-        table.drop_columns(&settled.spent);
         if index == 0 {
-            started_at = settled.started_at.or(started_at);
+            let names = settled
+                .spent
+                .iter()
+                .map(|at| table.headers[*at].raw_name.as_str());
+            let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
+            started_at = zone::complete(settled.started_at.or(started_at), names, head, issues);
         } else if settled.started_at.is_some() {
             // Each part has its own moment; a file has one.
             let message = format!(
@@ -118,6 +122,7 @@ pub fn runs(
             );
             issues.push(Issue::warning("starts-differ", message));
         }
+        table.drop_columns(&settled.spent);
         let raw = Raw {
             name: if several {
                 format!("part {}", index + 1)

@@ -73,7 +73,7 @@ fn number(value: f64) -> String {
 }
 
 /// Smallest and largest plausible reading, in canonical units.
-fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
+pub(super) fn plausible(quantity: Quantity) -> Option<(f64, f64)> {
     Some(match quantity {
         Quantity::Voltage | Quantity::ControlVoltage => (-50.0, 50.0),
         Quantity::Current => (-1.0, 1.0),

@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use calamine::{Data, DataRef, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
 
 use super::error::{ReadError, escaped};
-use super::{compound, unpacking, workbook_parts, xls_extent};
+use super::{compound, percent_cells, unpacking, workbook_parts, xls_extent};
 
 /// Most cells that are read from one workbook.
 const MAX_CELLS: u64 = 10_000_000;
@@ -212,7 +212,10 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
     let mut book = open_xlsx(bytes, limit)?;
     let mut sheets = Vec::new();
     let mut budget = Budget::of(limit);
+    let in_percent = percent_cells::of_workbook(bytes, limit);
     for name in book.sheet_names() {
+        let shown = in_percent.iter().find(|(sheet, _)| *sheet == name);
+        let is_in_percent = |place: &Place| shown.is_some_and(|(_, places)| places.contains(place));
         // Chart sheets and the like have no cells to read.
         let Ok(mut reader) = book.worksheet_cells_reader(&name) else {
             continue;
@@ -224,7 +227,12 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
             .next_cell_with_formula_metadata()
             .map_err(|error| broken("spreadsheet (.xlsx)", &error))?
         {
-            let content = from_ref(&cell.value);
+            let content = match from_ref(&cell.value) {
+                Some(SheetCell::Number(number)) if is_in_percent(&cell.pos) => {
+                    Some(SheetCell::Number(as_shown(number)))
+                }
+                content => content,
+            };
             budget.take(&name, cell.pos, content.as_ref())?;
             let (row, column) = cell.pos;
             match content {
@@ -239,6 +247,12 @@ fn read_xlsx(bytes: &[u8], limit: u64) -> Result<Vec<Sheet>, ReadError> {
         sheets.push(sheet);
     }
     Ok(sheets)
+}
+
+/// A number in percent as its author sees it: 0.45 as 45.
+fn as_shown(number: f64) -> f64 {
+    // 0.07 of a binary number is 7.000000000000001 %.
+    (number * 100.0 * 1e10).round() / 1e10
 }
 
 /// Formulas whose cells hold no value, their number and the first: programs that write workbooks leave the computing to the

@@ -55,6 +55,15 @@ pub fn check(bytes: &[u8], limit: u64) -> Result<(), ReadError> {
     Ok(())
 }
 
+/// The text of one part of a workbook that was looked through, at most so many bytes of it.
+pub fn text_of(bytes: &[u8], name: &str, limit: u64) -> Option<String> {
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).ok()?;
+    let mut text = String::new();
+    let member = archive.by_name(name).ok()?;
+    member.take(limit).read_to_string(&mut text).ok()?;
+    Some(text)
+}
+
 fn within(found: u64, limit: u64) -> Result<(), ReadError> {
     if found <= limit {
         return Ok(());

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::words::{Says, Word, words};
+use super::words::{NoSurroundings, Says, Word};
 use super::{IGNORED, KnownIds, NameMatch, NamePattern};
 use ieap_domain::campaign::BUILT_IN_ENVIRONMENTS;
 use ieap_domain::tag::keys;
@@ -20,10 +20,10 @@ pub struct ProposedPattern {
     pub ignored: Vec<String>,
 }
 
-/// What a name says, by tag key; values as tags have them. The first word that says nothing else is the sample.
-pub fn tags_of_name(stem: &str) -> Vec<(String, String)> {
+/// What a name of a folder says, by tag key; values as tags have them. The first word that says nothing else is the sample.
+pub fn tags_of_name(stem: &str, none: &NoSurroundings) -> Vec<(String, String)> {
     let mut found: Vec<(String, String)> = Vec::new();
-    for word in words(stem) {
+    for word in none.words(stem) {
         let (key, value) = match word.says {
             Says::Tag { key, meant, .. } => (key, meant),
             Says::Other => (keys::SAMPLE, word.text),
@@ -36,22 +36,20 @@ pub fn tags_of_name(stem: &str) -> Vec<(String, String)> {
     found
 }
 
-/// The environment that a folder's name stands for.
-pub fn environment_of(name: &str) -> Option<String> {
-    super::words::environment(&name.to_lowercase())
-}
-
 /// The pattern that explains the most of these names; none where no two are alike, or none says anything.
-pub fn propose(stems: &[&str]) -> Option<ProposedPattern> {
+pub fn propose(stems: &[&str], none: &NoSurroundings) -> Option<ProposedPattern> {
     let mut shapes: BTreeMap<String, Vec<Vec<Word>>> = BTreeMap::new();
     for stem in stems.iter().filter(|stem| !stem.contains(['{', '}'])) {
-        let words = words(stem);
+        let words = none.words(stem);
         shapes.entry(shape(&words)).or_default().push(words);
     }
     let candidates = shapes.into_values().filter_map(|names| pattern_of(&names));
     let judged = candidates.filter_map(|(text, ignored)| {
         let pattern = NamePattern::compile(&text).ok()?;
-        let explains = stems.iter().filter(|stem| explained(&pattern, stem)).count();
+        let explains = stems
+            .iter()
+            .filter(|stem| explained(&pattern, stem, none))
+            .count();
         let tags = pattern.keys().count();
         Some((
             (explains, tags),
@@ -68,7 +66,7 @@ pub fn propose(stems: &[&str]) -> Option<ProposedPattern> {
 }
 
 /// Whether the pattern reads of a name what its words say.
-pub fn explained(pattern: &NamePattern, stem: &str) -> bool {
+pub fn explained(pattern: &NamePattern, stem: &str, none: &NoSurroundings) -> bool {
     let known = KnownIds {
         samples: &[],
         environments: &BUILT_IN_ENVIRONMENTS,
@@ -81,11 +79,13 @@ pub fn explained(pattern: &NamePattern, stem: &str) -> bool {
             .find(|(known, _)| known == key)
             .map(|(_, value)| value.as_str())
     };
-    tags_of_name(stem).iter().all(|(key, value)| match key.as_str() {
-        // A word that is the same in all names stands in the pattern as it is.
-        keys::SAMPLE => of(key).is_none_or(|read| read == value),
-        key => of(key).is_some_and(|read| is_same(read, value)),
-    })
+    tags_of_name(stem, none)
+        .iter()
+        .all(|(key, value)| match key.as_str() {
+            // A word that is the same in all names stands in the pattern as it is.
+            keys::SAMPLE => of(key).is_none_or(|read| read == value),
+            key => of(key).is_some_and(|read| is_same(read, value)),
+        })
 }
 
 /// Whether two texts are one, or one number.
@@ -151,6 +151,10 @@ fn around<'a>(mut column: impl Iterator<Item = &'a Word>) -> (&'a str, &'a str) 
 mod tests {
     use super::*;
 
+    fn propose(stems: &[&str]) -> Option<ProposedPattern> {
+        super::propose(stems, &NoSurroundings::among(stems.iter().copied()))
+    }
+
     #[test]
     fn the_pattern_that_explains_the_most_names_is_proposed() {
         let stems = [
@@ -167,7 +171,7 @@ mod tests {
         );
         assert_eq!((found.explains, found.names), (3, 5));
         assert!(found.ignored.is_empty());
-        let slip = tags_of_name("CNaf-02_vaccum_rh0_2.0V_1");
+        let slip = tags_of_name("CNaf-02_vaccum_rh0_2.0V_1", &NoSurroundings::default());
         assert!(
             slip.contains(&("environment".to_owned(), "vacuum".to_owned())),
             "{slip:?}"

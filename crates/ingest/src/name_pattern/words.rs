@@ -1,5 +1,7 @@
 //! What the words of a file name say: an environment, a voltage, a humidity, a cycle, a sample.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::number::number;
 use crate::campaign_file::nearest;
 use crate::tags::value::shortest;
@@ -48,8 +50,77 @@ pub(super) fn separators(stem: &str) -> &'static [char] {
     }
 }
 
-/// The words of a name. A `-` behind another one that a digit follows is a sign.
-pub(super) fn words(stem: &str) -> Vec<Word> {
+/// Words that read as surroundings and are none, in small letters: what names of one folder have at one place is one kind of
+/// thing, so beside `N1` and `N3` a strip called `N2` is no nitrogen.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct NoSurroundings(BTreeSet<String>);
+
+impl NoSurroundings {
+    /// Those among the names of the files and folders in one folder, without their endings.
+    pub fn among<'n>(stems: impl Iterator<Item = &'n str>) -> NoSurroundings {
+        // Signs and count of words tell which names are built alike.
+        let mut places: BTreeMap<(String, usize), BTreeSet<String>> = BTreeMap::new();
+        let mut families: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
+        for stem in stems {
+            let words = split(stem);
+            let build: String = words.iter().map(|(before, _)| format!("{before}.")).collect();
+            for (at, (_, text)) in words.into_iter().enumerate() {
+                let lower = text.to_lowercase();
+                if let Some((before, number, behind)) = around_number(&lower) {
+                    let family = families
+                        .entry((before.to_owned(), behind.to_owned()))
+                        .or_default();
+                    family.insert(number.to_owned());
+                }
+                places.entry((build.clone(), at)).or_default().insert(lower);
+            }
+        }
+        let is_one_of_family = |word: &String| {
+            let family = around_number(word)
+                .and_then(|(before, _, behind)| families.get(&(before.to_owned(), behind.to_owned())));
+            family.is_some_and(|numbers| numbers.len() > 1)
+        };
+        let mut found = BTreeSet::new();
+        for ((build, _), words) in places {
+            let (read, others): (Vec<String>, Vec<String>) =
+                words.into_iter().partition(|word| environment(word).is_some());
+            // Of a place that holds mostly other things nothing is an environment; names of one word have no places.
+            let is_place_of_others = build.len() > 1 && others.len() > read.len();
+            found.extend(
+                read.into_iter()
+                    .filter(|word| is_place_of_others || is_one_of_family(word)),
+            );
+        }
+        NoSurroundings(found)
+    }
+
+    /// The environment that the name of a folder among them stands for.
+    pub fn environment_of(&self, name: &str) -> Option<String> {
+        let lower = name.to_lowercase();
+        environment(&lower).filter(|_| !self.0.contains(&lower))
+    }
+
+    /// The words of a name of the folder.
+    pub(super) fn words(&self, stem: &str) -> Vec<Word> {
+        let word = |(before, text): (String, String)| Word {
+            says: self.says(&text),
+            before,
+            text,
+        };
+        with_one_count(with_number_of_sample(split(stem).into_iter().map(word).collect()))
+    }
+
+    fn says(&self, text: &str) -> Says {
+        if self.0.contains(&text.to_lowercase()) {
+            Says::Other
+        } else {
+            says(text)
+        }
+    }
+}
+
+/// The words of a name with the signs before each. A `-` behind another one that a digit follows is a sign.
+fn split(stem: &str) -> Vec<(String, String)> {
     let separators = separators(stem);
     let (mut words, mut before, mut text) = (Vec::new(), String::new(), String::new());
     let mut signs = stem.chars().peekable();
@@ -67,17 +138,12 @@ pub(super) fn words(stem: &str) -> Vec<Word> {
     if !text.is_empty() {
         words.push((before, text));
     }
-    let word = |(before, text): (String, String)| Word {
-        says: says(&text),
-        before,
-        text,
-    };
-    with_one_count(with_number_of_sample(words.into_iter().map(word).collect()))
+    words
 }
 
 /// The words of a name as what they mean, `voltage_v=2` or `cnaf`, between signs of any kind: two names of one run share
 /// them, whatever their spelling.
-pub fn parts_of_name(stem: &str) -> Vec<String> {
+pub fn parts_of_name(stem: &str, none: &NoSurroundings) -> Vec<String> {
     let letters: Vec<char> = stem.chars().collect();
     let is_digit = |at: Option<usize>| {
         at.and_then(|at| letters.get(at))
@@ -94,7 +160,7 @@ pub fn parts_of_name(stem: &str) -> Vec<String> {
         }
     }
     words.retain(|word| !word.is_empty());
-    let meant = |word: String| match says(&word) {
+    let meant = |word: String| match none.says(&word) {
         Says::Tag { key, meant, .. } => match meant.parse::<f64>() {
             Ok(number) => format!("{key}={}", shortest(number)),
             Err(_) => format!("{key}={meant}"),
@@ -192,7 +258,7 @@ fn tag(key: &'static str, prefix: &str, written: &str, suffix: &str, meant: &str
 }
 
 /// The environment that a word stands for, a slip of the keyboard allowed for in longer ones.
-pub(super) fn environment(lower: &str) -> Option<String> {
+fn environment(lower: &str) -> Option<String> {
     let slip = || {
         let long = surroundings::words().filter(|word| word.chars().count() > 2);
         let letters = lower.chars().count() > 3 && lower.chars().all(char::is_alphabetic);
@@ -240,7 +306,8 @@ mod tests {
                 Says::Untold => "untold".to_owned(),
                 Says::Other => word.text,
             };
-            words(stem).into_iter().map(shown).collect()
+            let none = NoSurroundings::default();
+            none.words(stem).into_iter().map(shown).collect()
         };
         for (stem, expected) in [
             (

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::{Half, alone_with_key};
-use crate::name_pattern::parts_of_name;
+use super::alone_with_key;
+use super::half::Half;
+use crate::name_pattern::{NoSurroundings, parts_of_name};
 use ieap_domain::pairs::{HalfKind, PairedBy};
 use ieap_domain::tag::keys;
 
@@ -19,24 +20,47 @@ struct Words {
 }
 
 impl Words {
-    fn of(path: &str) -> Words {
-        let (folders, file) = path.rsplit_once('/').unwrap_or(("", path));
-        let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-        let mut name = parts_of_name(stem);
+    fn of(path: &str, none: &NoSurroundings) -> Words {
+        let (folders, stem) = parts_of(path);
+        let mut name = parts_of_name(stem, none);
         name.sort_unstable();
+        let folders = folders.split('/').skip(1);
         Words {
-            folders: folders.split('/').skip(1).flat_map(parts_of_name).collect(),
+            folders: folders.flat_map(|folder| parts_of_name(folder, none)).collect(),
             name,
         }
     }
 }
 
+/// The folders of a path, and its name without the ending.
+fn parts_of(path: &str) -> (&str, &str) {
+    let (folders, file) = path.rsplit_once('/').unwrap_or(("", path));
+    (folders, file.rsplit_once('.').map_or(file, |(stem, _)| stem))
+}
+
+/// What the names of all halves say together of which words are no surroundings.
+pub(super) fn no_surroundings(halves: &[Half]) -> NoSurroundings {
+    let names: BTreeSet<&str> = halves
+        .iter()
+        .flat_map(|half| {
+            let (folders, stem) = parts_of(&half.path);
+            folders.split('/').skip(1).chain([stem])
+        })
+        .collect();
+    NoSurroundings::among(names.into_iter())
+}
+
 /// Pairs of open halves whose names share their words. Words that only names of one side have may be no more than what all
 /// of them have, what the half holds, or a date; and what folders say must agree where both sides' folders say it, but where
 /// names alone leave no choice.
-pub(super) fn pairs(halves: &[Half], electrical: &[usize], bending: &[usize]) -> Vec<(usize, usize)> {
+pub(super) fn pairs(
+    halves: &[Half],
+    electrical: &[usize],
+    bending: &[usize],
+    none: &NoSurroundings,
+) -> Vec<(usize, usize)> {
     let of = |side: &[usize]| -> Vec<(usize, Words)> {
-        let words = side.iter().map(|&at| (at, Words::of(&halves[at].path)));
+        let words = side.iter().map(|&at| (at, Words::of(&halves[at].path, none)));
         words.collect()
     };
     let mut sides = (of(electrical), of(bending));
@@ -121,8 +145,8 @@ fn is_date(word: &str) -> bool {
 }
 
 /// Whether two names state different values of one thing. Two instruments count by themselves: numbers of records are none.
-pub(super) fn contradict(one: &str, other: &str) -> bool {
-    let (one, other) = (Words::of(one).name, Words::of(other).name);
+pub(super) fn contradict(one: &str, other: &str, none: &NoSurroundings) -> bool {
+    let (one, other) = (Words::of(one, none).name, Words::of(other, none).name);
     let stated = |words: &[String]| -> Vec<(String, String)> {
         let pairs = words.iter().filter_map(|word| word.split_once('='));
         let pairs = pairs.filter(|(key, _)| *key != keys::CYCLE);
@@ -138,21 +162,29 @@ pub(super) fn contradict(one: &str, other: &str) -> bool {
 }
 
 /// The partner that a half waits for, in words: its name as those of the pairs show it, else what it must share.
-pub(super) fn partner_of(halves: &[Half], lone: usize, pairs: &[(usize, usize, PairedBy)]) -> String {
+pub(super) fn partner_of(
+    halves: &[Half],
+    lone: usize,
+    pairs: &[(usize, usize, PairedBy)],
+    none: &NoSurroundings,
+) -> String {
     let half = &halves[lone];
     let of_pair = |&(e, b, _): &(usize, usize, PairedBy)| match half.kind {
         HalfKind::Electrical => (halves[e].path.as_str(), halves[b].path.as_str()),
         HalfKind::Bending => (halves[b].path.as_str(), halves[e].path.as_str()),
     };
     let holds = half.kind.partner();
-    let named = pairs
+    // A name is told where all pairs that lead to one lead to the same: else nobody ever called a file so.
+    let names: BTreeSet<String> = pairs
         .iter()
         .map(of_pair)
-        .find_map(|(own, partner)| translated(&half.path, own, partner));
+        .filter_map(|(own, partner)| translated(&half.path, own, partner))
+        .collect();
+    let named = names.first().filter(|_| names.len() == 1);
     match named {
         Some(name) => format!("{name} with {holds}"),
         None => {
-            let words = Words::of(&half.path).name;
+            let words = Words::of(&half.path, none).name;
             let words = words.iter().filter(|word| !is_of_a_half(word));
             let values: Vec<&str> = words
                 .map(|word| word.split_once('=').map_or(word.as_str(), |(_, value)| value))

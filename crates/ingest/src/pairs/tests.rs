@@ -17,7 +17,7 @@ fn halves(electrical: &[&str], bending: &[&str]) -> Vec<Half> {
 }
 
 fn paired(electrical: &[&str], bending: &[&str]) -> (Vec<(String, String)>, Vec<LoneHalf>) {
-    let found = pair(&halves(electrical, bending), &PairRules::default(), "runs");
+    let found = pair(&halves(electrical, bending), &PairRules::default(), "runs", &[]);
     let pairs = found
         .pairs
         .into_iter()
@@ -118,7 +118,7 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
     {
         all[at].window_s = Some(window);
     }
-    let found = pair(&all, &PairRules::default(), "runs");
+    let found = pair(&all, &PairRules::default(), "runs", &[]);
     let shown: Vec<(&str, &str, PairedBy)> = found
         .pairs
         .iter()
@@ -139,7 +139,7 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
             bending: "m-{_}{k}.csv".to_owned(),
         }],
     };
-    assert_eq!(pair(&all, &rules, "runs").pairs, []);
+    assert_eq!(pair(&all, &rules, "runs", &[]).pairs, []);
     let rules = PairRules {
         named: vec![PairNames {
             current: "pot/{run}.txt".to_owned(),
@@ -151,6 +151,7 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
         &halves(&["runs/pot/x 1.txt"], &["runs/laser/x 1_cam.csv"]),
         &rules,
         "runs",
+        &[],
     );
     assert_eq!(ruled.pairs[0].by, PairedBy::Rule);
     let plain = PairRules {
@@ -160,7 +161,7 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
             bending: "m-18.csv".to_owned(),
         }],
     };
-    let ruled = pair(&all, &plain, "runs").pairs;
+    let ruled = pair(&all, &plain, "runs", &[]).pairs;
     assert_eq!((ruled.len(), ruled[0].bending.as_str()), (1, "runs/m-18.csv"));
     // A third that runs at the same time leaves a choice, and names that contradict are no pair.
     let mut three = all[..1].to_vec();
@@ -171,10 +172,10 @@ fn times_pair_what_names_do_not_and_rules_go_before_both() {
             ..all[3].clone()
         },
     ]);
-    assert_eq!(pair(&three, &PairRules::default(), "runs").pairs, []);
+    assert_eq!(pair(&three, &PairRules::default(), "runs", &[]).pairs, []);
     let mut odd = halves(&["runs/x_2V.txt"], &["runs/y_-2V.csv"]);
     odd.iter_mut().for_each(|half| half.window_s = Some((0.0, 9.0)));
-    assert_eq!(pair(&odd, &PairRules::default(), "runs").pairs, []);
+    assert_eq!(pair(&odd, &PairRules::default(), "runs", &[]).pairs, []);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::profiles::policy::ROWS_ASKED;
 use crate::table::kind::{self, Kind};
 use crate::table::numbers::{Found, Writing};
 use crate::table::shape::Shape;
-use crate::table::{layout, sheet, start};
+use crate::table::{layout, order, sheet, start};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::Header;
 use crate::text::names::names_time;
@@ -86,7 +86,7 @@ fn start_line(lines: &[Line<'_>]) -> Option<StartGuess> {
     lines.iter().find_map(|line| {
         let text = line.text.trim_start_matches(['"', '#', ' ']);
         let (_, rest) = start::after_word(text)?;
-        let orders = start::orders(rest.trim_matches(start::is_mark));
+        let orders = order::orders(rest.trim_matches(start::is_mark));
         let end = text.len() - rest.trim_start_matches(start::is_mark).len();
         let begins = line.text.trim_start_matches('"').strip_suffix(&text[end..])?;
         (!orders.is_empty()).then(|| StartGuess {
@@ -225,7 +225,7 @@ fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -
     let orders = |texts: &mut dyn Iterator<Item = String>| {
         let mut left: Vec<DateOrder> = DateOrder::ALL.to_vec();
         for text in texts.filter(|text| kind::is_moment(text)) {
-            let own = start::orders(&text);
+            let own = order::orders(&text);
             left.retain(|order| own.contains(order));
         }
         left.into_iter()

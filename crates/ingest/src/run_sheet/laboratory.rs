@@ -1,7 +1,9 @@
 //! Run sheets as laboratories keep them: a workbook or a text with names of columns in any language, titles above the
 //! table, cells that are merged, no planned ids. They become the text that the reader of run sheets reads.
 
-use super::policy::{DELIMITERS, LARGEST_BYTES, SAID};
+use std::collections::BTreeSet;
+
+use super::policy::{DELIMITERS, LARGEST_BYTES, SAID, WITH};
 use crate::formats::sheet_cells::{self, Place, SheetCell};
 use crate::formats::unpacking;
 use crate::name_pattern::number_of_name;
@@ -11,7 +13,9 @@ use crate::text::header::{Header, Meaning};
 use crate::text::names::sheet_column;
 use ieap_domain::Quantity;
 use ieap_domain::safe_text::from_csv_text;
+use ieap_domain::surroundings::id_of_word;
 use ieap_domain::tag::keys;
+use ieap_domain::unit;
 
 /// Rows above the names that are looked through.
 const MOST_TITLES: usize = 30;
@@ -38,12 +42,49 @@ enum Column {
     Number(&'static str, Header),
 }
 
+impl Column {
+    /// The tag, or `file`.
+    fn key(&self) -> &'static str {
+        match self {
+            Column::Text(key) | Column::Number(key, _) => key,
+        }
+    }
+}
+
+/// Share of the cells of a column that must be of one kind, and fewest of them, before they say what the column states whatever its
+/// name is. Chosen.
+const MOSTLY: f64 = 0.8;
+/// See [`MOSTLY`].
+const FEWEST_CELLS: usize = 2;
+
 fn column(name: &str) -> Option<Column> {
     if let Some(key) = sheet_column(name) {
         return Some(Column::Text(key));
     }
     let header = Header::parse(name);
-    let key = match header.meaning.named_quantity()? {
+    // A unit says it where the name is in a language that is not known.
+    let by_unit = || {
+        let quantities = [
+            Quantity::Voltage,
+            Quantity::RelativeHumidity,
+            Quantity::Temperature,
+        ];
+        let of_unit = |quantity: &Quantity| unit::conversion(*quantity, &header.raw_unit).is_ok();
+        (!header.raw_unit.is_empty() && header.meaning == Meaning::Other && !name.is_ascii())
+            .then(|| quantities.into_iter().find(of_unit))
+            .flatten()
+    };
+    let quantity = header.meaning.named_quantity().or_else(by_unit)?;
+    let header = match &header.meaning {
+        Meaning::Other => Header {
+            meaning: unit::conversion(quantity, &header.raw_unit).map_or(Meaning::Other, |conversion| {
+                Meaning::Known { quantity, conversion }
+            }),
+            ..header
+        },
+        _ => header,
+    };
+    let key = match quantity {
         Quantity::Voltage | Quantity::ControlVoltage => keys::VOLTAGE_V,
         Quantity::RelativeHumidity => keys::RELATIVE_HUMIDITY_PERCENT,
         Quantity::Temperature => keys::TEMPERATURE_C,
@@ -133,70 +174,256 @@ fn grid(sheet: &sheet_cells::Sheet, merged: &[(Place, Place)]) -> Vec<Vec<String
     grid
 }
 
-fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
-    let names_at = grid.iter().take(MOST_TITLES).position(|row| is_header(row))?;
-    let columns: Vec<Option<Column>> = grid[names_at].iter().map(|name| column(name)).collect();
-    let unused = grid[names_at].iter().zip(&columns);
-    let unused = unused.filter(|(name, column)| column.is_none() && !name.trim().is_empty());
-    let mut rewritten = Rewritten {
-        unused: unused.map(|(name, _)| name.trim().to_owned()).collect(),
-        text: String::new(),
-        nameless: 0,
-    };
-    let mut writer = csv::WriterBuilder::new().delimiter(b'\t').from_writer(Vec::new());
-    let used: Vec<(usize, &Column)> = columns
-        .iter()
-        .enumerate()
-        .filter_map(|(at, column)| Some((at, column.as_ref()?)))
-        .collect();
-    let key = |column: &Column| match column {
-        Column::Text(key) | Column::Number(key, _) => (*key).to_owned(),
-    };
-    let file_at = used.iter().position(|(_, column)| key(column) == "file")?;
-    let head = std::iter::once("planned".to_owned()).chain(used.iter().map(|(_, column)| key(column)));
-    writer.write_record(head).ok()?;
-    for row in &grid[names_at + 1..] {
-        let cell = |at: usize| row.get(at).map_or("", |cell| cell.trim());
-        let mut values: Vec<String> = used.iter().map(|(at, column)| value(column, cell(*at))).collect();
-        values[file_at] = stem_of(&values[file_at]);
-        if values[file_at].is_empty() {
-            rewritten.nameless += usize::from(row.iter().any(|cell| !cell.trim().is_empty()));
-            continue;
-        }
-        let planned = values[file_at].replace(',', ".");
-        writer.write_record(std::iter::once(planned).chain(values)).ok()?;
-    }
-    rewritten.text = String::from_utf8(writer.into_inner().ok()?).ok()?;
-    Some(rewritten)
+/// The table of a sheet: its names, which may stand in two rows of which the upper one heads several of the lower, and its rows.
+struct Laid<'g> {
+    names: Vec<Name>,
+    rows: &'g [Vec<String>],
 }
 
-/// Whether a row names a column of files and one that tells what is measured, and has no column of the program's own sheets.
-fn is_header(row: &[String]) -> bool {
-    // Every table of readings is asked: what names no column of files costs a look and no more.
-    if !row.iter().any(|cell| sheet_column(cell) == Some("file")) {
-        return false;
+/// The name of a column, and what stands above it.
+struct Name {
+    above: String,
+    own: String,
+}
+
+impl Name {
+    fn shown(&self) -> String {
+        format!("{} {}", self.above, self.own).trim().to_owned()
     }
-    let plain: Vec<String> = row
-        .iter()
-        .map(|cell| from_csv_text(cell.trim()).to_lowercase())
-        .collect();
-    let of_program = plain
-        .iter()
-        .any(|cell| cell == "planned" || SAID.contains(&cell.as_str()));
-    let found: Vec<Column> = row.iter().filter_map(|cell| column(cell)).collect();
-    let has = |wanted: &str| {
-        let mut keys = found.iter().map(|column| match column {
-            Column::Text(key) | Column::Number(key, _) => *key,
-        });
-        keys.any(|key| key == wanted)
+
+    /// What the column states: by both rows of names, else by one of them.
+    fn column(&self) -> Option<Column> {
+        let parts = [self.shown(), self.own.clone(), self.above.clone()];
+        parts.iter().find_map(|name| column(name))
+    }
+}
+
+/// The rows of a sheet below names that begin at a row, in one row or in two.
+fn laid(grid: &[Vec<String>], at: usize) -> Vec<Laid<'_>> {
+    let cell = |row: usize, column: usize| {
+        grid.get(row)
+            .and_then(|row| row.get(column))
+            .map_or("", |cell| cell.trim())
     };
-    let tells = [
-        keys::SAMPLE,
-        keys::ENVIRONMENT,
-        keys::VOLTAGE_V,
-        keys::RELATIVE_HUMIDITY_PERCENT,
-    ];
-    !of_program && has("file") && tells.iter().any(|key| has(key))
+    let name = |above: &str, own: &str| Name {
+        above: above.to_owned(),
+        own: own.to_owned(),
+    };
+    let width = grid[at].len();
+    let plain = Laid {
+        names: (0..width).map(|column| name("", cell(at, column))).collect(),
+        rows: &grid[at + 1..],
+    };
+    let width = width.max(grid.get(at + 1).map_or(0, Vec::len));
+    let mut heading = "";
+    let mut names = Vec::new();
+    let mut divides = false;
+    for column in 0..width {
+        let (top, own) = (cell(at, column), cell(at + 1, column));
+        // A heading over several columns stands in the first of them, or in all of them where it was merged.
+        let is_below_one = top.is_empty() && !own.is_empty();
+        divides |= is_below_one || (!top.is_empty() && top == heading && own != top);
+        heading = if is_below_one { heading } else { top };
+        names.push(match own {
+            "" => name("", heading),
+            own if own == heading => name("", own),
+            own => name(heading, own),
+        });
+    }
+    let is_word = |cell: &String| {
+        let cell = cell.trim();
+        cell.is_empty() || (cell.parse::<f64>().is_err() && !is_file(cell))
+    };
+    let is_of_names = divides && grid.get(at + 1).is_some_and(|row| row.iter().all(is_word));
+    let stacked = is_of_names.then(|| Laid {
+        names,
+        rows: &grid[at + 2..],
+    });
+    stacked.into_iter().chain([plain]).collect()
+}
+
+impl Laid<'_> {
+    /// The cells of a column that hold anything.
+    fn cells(&self, column: usize) -> impl Iterator<Item = &str> {
+        let cells = self
+            .rows
+            .iter()
+            .filter_map(move |row| Some(row.get(column)?.trim()));
+        cells.filter(|cell| !cell.is_empty())
+    }
+
+    /// Whether nearly all cells of a column are so, and there are some.
+    fn mostly(&self, column: usize, is_so: impl Fn(&str) -> bool) -> bool {
+        let all = self.cells(column).count();
+        let so = self.cells(column).filter(|cell| is_so(cell)).count();
+        so >= FEWEST_CELLS && so as f64 >= MOSTLY * all as f64
+    }
+
+    /// What each column states: by its name, else by what its cells are; of two that state one thing the plainer counts.
+    fn columns(&self) -> Vec<Option<Column>> {
+        let mut columns: Vec<Option<Column>> = self.names.iter().map(Name::column).collect();
+        for (at, column) in columns.iter_mut().enumerate() {
+            let names_files = matches!(column, Some(Column::Text("file")));
+            if !names_files && self.mostly(at, is_file) {
+                *column = Some(Column::Text("file"));
+            }
+        }
+        let has = |columns: &[Option<Column>], key: &str| {
+            columns.iter().flatten().any(|column| column.key() == key)
+        };
+        for at in 0..columns.len() {
+            let is_open = columns[at].is_none();
+            if is_open
+                && !has(&columns, keys::ENVIRONMENT)
+                && self.mostly(at, |cell| id_of_word(cell).is_some())
+            {
+                columns[at] = Some(Column::Text(keys::ENVIRONMENT));
+            }
+        }
+        if !has(&columns, keys::SAMPLE)
+            && let Some(at) = self.samples_at(&columns)
+        {
+            columns[at] = Some(Column::Text(keys::SAMPLE));
+        }
+        self.leave_doubles(&mut columns);
+        columns
+    }
+
+    /// The one column whose words are parts of the names of files.
+    fn samples_at(&self, columns: &[Option<Column>]) -> Option<usize> {
+        let files: Vec<usize> = (0..columns.len())
+            .filter(|at| matches!(columns[*at], Some(Column::Text("file"))))
+            .collect();
+        let is_part = |row: &Vec<String>, cell: &str| {
+            let names = files
+                .iter()
+                .filter_map(|at| row.get(*at))
+                .map(|name| name.to_lowercase());
+            let cell = cell.to_lowercase();
+            cell.contains(char::is_alphabetic) && names.into_iter().any(|name| name.contains(&cell))
+        };
+        let names_strips = |at: &usize| {
+            let rows = self
+                .rows
+                .iter()
+                .filter(|row| row.get(*at).is_some_and(|cell| !cell.trim().is_empty()));
+            let (all, parts) = rows.fold((0, 0), |(all, parts), row| {
+                (all + 1, parts + usize::from(is_part(row, row[*at].trim())))
+            });
+            columns[*at].is_none() && parts >= FEWEST_CELLS && parts as f64 >= MOSTLY * f64::from(all)
+        };
+        let mut found = (0..columns.len()).filter(names_strips);
+        found.next().filter(|_| found.next().is_none())
+    }
+
+    /// Leaves of two columns of one tag the one with the plainer name; neither where both are as plain and differ.
+    fn leave_doubles(&self, columns: &mut [Option<Column>]) {
+        for at in 0..columns.len() {
+            let Some(key) = columns[at].as_ref().map(Column::key).filter(|key| *key != "file") else {
+                continue;
+            };
+            let twin =
+                (at + 1..columns.len()).find(|other| columns[*other].as_ref().map(Column::key) == Some(key));
+            if let Some(twin) = twin {
+                let words = |at: usize| self.names[at].shown().split_whitespace().count();
+                if words(twin) <= words(at) && !self.cells(at).eq(self.cells(twin)) {
+                    columns[at] = None;
+                }
+                if words(twin) >= words(at) {
+                    columns[twin] = None;
+                }
+            }
+        }
+    }
+
+    /// Whether it is a sheet of runs: a column of files, and one that tells what is measured; none of the program's own sheets.
+    fn is_of_runs(&self, columns: &[Option<Column>]) -> bool {
+        let is_own = |name: &Name| {
+            let plain = from_csv_text(&name.own).to_lowercase();
+            plain == "planned" || SAID.contains(&plain.as_str())
+        };
+        let has = |wanted: &str| columns.iter().flatten().any(|column| column.key() == wanted);
+        let tells = [
+            keys::SAMPLE,
+            keys::ENVIRONMENT,
+            keys::VOLTAGE_V,
+            keys::RELATIVE_HUMIDITY_PERCENT,
+        ];
+        !self.names.iter().any(is_own) && has("file") && tells.iter().any(|key| has(key))
+    }
+
+    fn rewritten(&self, columns: &[Option<Column>]) -> Option<Rewritten> {
+        let unused = self.names.iter().zip(columns);
+        let unused = unused.filter(|(name, column)| column.is_none() && !name.shown().is_empty());
+        let mut rewritten = Rewritten {
+            unused: unused.map(|(name, _)| name.shown()).collect(),
+            text: String::new(),
+            nameless: 0,
+        };
+        let used = || {
+            columns
+                .iter()
+                .enumerate()
+                .filter_map(|(at, column)| Some((at, column.as_ref()?)))
+        };
+        let is_file = |column: &Column| column.key() == "file";
+        let files: Vec<usize> = used()
+            .filter(|(_, column)| is_file(column))
+            .map(|(at, _)| at)
+            .collect();
+        let tags: Vec<(usize, &Column)> = used().filter(|(_, column)| !is_file(column)).collect();
+        let mut writer = csv::WriterBuilder::new().delimiter(b'\t').from_writer(Vec::new());
+        let head = ["planned", "file", WITH]
+            .into_iter()
+            .chain(tags.iter().map(|(_, column)| column.key()));
+        writer.write_record(head).ok()?;
+        for row in self.rows {
+            let cell = |at: usize| row.get(at).map_or("", |cell| cell.trim());
+            let mut names: Vec<String> = files.iter().map(|at| stem_of(cell(*at))).collect();
+            names.retain(|name| !name.is_empty());
+            names.dedup();
+            if names.is_empty() {
+                rewritten.nameless += usize::from(row.iter().any(|cell| !cell.trim().is_empty()));
+            }
+            let values: Vec<String> = tags.iter().map(|(at, column)| value(column, cell(*at))).collect();
+            for (at, name) in names.iter().enumerate() {
+                // Of a run in two files the first names the other.
+                let other = names.get(1).filter(|_| at == 0).cloned().unwrap_or_default();
+                let head = [name.replace(',', "."), name.clone(), other];
+                writer.write_record(head.iter().chain(&values)).ok()?;
+            }
+        }
+        rewritten.text = String::from_utf8(writer.into_inner().ok()?).ok()?;
+        Some(rewritten)
+    }
+}
+
+fn of_grid(grid: &[Vec<String>]) -> Option<Rewritten> {
+    (0..grid.len().min(MOST_TITLES)).find_map(|at| {
+        // A row of names has few cells that are numbers or files.
+        let filled = grid[at].iter().filter(|cell| !cell.trim().is_empty());
+        // A title may cover all columns.
+        let names: BTreeSet<&String> = filled.clone().collect();
+        if names.len() < 2
+            || filled
+                .clone()
+                .any(|cell| is_file(cell) || cell.trim().parse::<f64>().is_ok())
+        {
+            return None;
+        }
+        laid(grid, at).into_iter().find_map(|laid| {
+            let columns = laid.columns();
+            laid.is_of_runs(&columns)
+                .then(|| laid.rewritten(&columns))
+                .flatten()
+        })
+    })
+}
+
+/// Whether a cell is the name of a file, by its ending.
+fn is_file(cell: &str) -> bool {
+    let cell = cell.trim();
+    stem_of(cell).len() < cell.rsplit(['/', '\\']).next().map_or(0, str::len)
 }
 
 /// The name of a file without its folder and its ending.

@@ -112,7 +112,19 @@ impl DamagedSheet {
     }
 }
 
+/// The names of two files of one run, of each row that has two.
+pub fn pairs_of<'r>(rows: impl IntoIterator<Item = &'r SheetRow>) -> Vec<(String, String)> {
+    let rows = rows.into_iter().filter(|row| !row.said(policy::WITH).is_empty());
+    rows.map(|row| (row.file.clone(), row.said(policy::WITH).to_owned()))
+        .collect()
+}
+
 impl RunSheets {
+    /// The names of two files of one run, by the sheets' rows.
+    pub fn pairs(&self) -> Vec<(String, String)> {
+        pairs_of(self.sheets.iter().flat_map(|sheet| &sheet.rows))
+    }
+
     /// Reads the sheets at these paths; one that cannot be read is among the damaged.
     pub fn load<'a>(campaign: &Path, paths: impl IntoIterator<Item = &'a str>) -> RunSheets {
         let mut sheets = RunSheets::default();

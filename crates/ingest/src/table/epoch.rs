@@ -8,7 +8,7 @@ use super::kind::Kind;
 use super::read::Table;
 use crate::formats::climate::moments::Moments;
 use crate::formats::stamp::DateOrder;
-use crate::table::policy::OUR_TIME_S;
+use crate::table::policy::{LATEST_WITHOUT_WITNESS_S, OUR_TIME_S, WITNESS_WITHIN_S};
 use crate::text::header::Meaning;
 use crate::text::names::names_time;
 use crate::text::{Cell, Decimal, number};
@@ -18,9 +18,9 @@ use ieap_domain::Quantity;
 pub fn is_moment(cell: &str) -> bool {
     let number = number::parse(cell, Decimal::Point);
     let is_one = |number: f64| {
-        COUNTS
-            .iter()
-            .any(|count| count.word.is_empty() && OUR_TIME_S.contains(&count.since_1970_s(number)))
+        COUNTS.iter().any(|count| {
+            count.word.is_empty() && !count.needs_witness && OUR_TIME_S.contains(&count.since_1970_s(number))
+        })
     };
     matches!(number, Cell::Number(number) if is_one(number))
 }
@@ -36,6 +36,8 @@ struct Count {
     word: &'static str,
     /// Whether it counts in UTC.
     in_utc: bool,
+    /// Whether only a date above the table shows that it counts so.
+    needs_witness: bool,
     reason: &'static str,
 }
 
@@ -52,10 +54,11 @@ const fn since_1970(unit_s: f64) -> Count {
         zero_to_1970_s: 0.0,
         word: "",
         in_utc: true,
+        needs_witness: false,
         reason: SINCE_1970,
     }
 }
-const COUNTS: [Count; 5] = [
+const COUNTS: [Count; 7] = [
     since_1970(1.0),
     since_1970(1e-3),
     since_1970(1e-6),
@@ -65,10 +68,25 @@ const COUNTS: [Count; 5] = [
         ..since_1970(1.0)
     },
     Count {
+        zero_to_1970_s: 2_209_161_600.0,
+        in_utc: false,
+        needs_witness: true,
+        reason: ", seconds since 1899-12-30, as the date above the table shows",
+        ..since_1970(1.0)
+    },
+    Count {
+        zero_to_1970_s: 2_208_988_800.0,
+        in_utc: false,
+        needs_witness: true,
+        reason: ", seconds since 1900, as the date above the table shows",
+        ..since_1970(1.0)
+    },
+    Count {
         unit_s: 86_400.0,
         zero_to_1970_s: 719_529.0 * 86_400.0,
         word: "datenum",
         in_utc: false,
+        needs_witness: false,
         reason: ", days since the year 0",
     },
 ];
@@ -118,7 +136,21 @@ pub fn find(table: &Table<'_>) -> Option<Epoch> {
             let mut filled = numbers.iter().filter(|number| number.is_finite()).peekable();
             filled.peek().is_some() && filled.all(|number| OUR_TIME_S.contains(&count.since_1970_s(*number)))
         };
-        let count = COUNTS.into_iter().find(fits)?;
+        let first = numbers.iter().copied().find(|number| number.is_finite())?;
+        let is_witnessed = |count: &Count| {
+            let moment = utc(count.since_1970_s(first));
+            let apart = |date: &DateTime| date.duration_since(moment).as_secs_f64().abs();
+            table
+                .dates_above
+                .iter()
+                .any(|date| apart(date) < WITNESS_WITHIN_S)
+        };
+        let fitting: Vec<Count> = COUNTS.into_iter().filter(fits).collect();
+        let witnessed = fitting.iter().copied().find(is_witnessed);
+        // A moment in years to come is none that was measured.
+        let alone =
+            |count: &Count| !count.needs_witness && count.since_1970_s(first) < LATEST_WITHOUT_WITNESS_S;
+        let count = witnessed.or_else(|| fitting.iter().copied().find(alone))?;
         Some(Epoch { column, count })
     })
 }

@@ -7,11 +7,13 @@
 //! - [`layout`]: these together, for that delimiter under which most is known;
 //! - [`times`]: elapsed time and wall clock; [`rows`]: their order.
 
+pub mod dates_above;
 pub mod duration;
 pub mod epoch;
 pub mod kind;
 pub mod layout;
 pub mod numbers;
+pub mod order;
 pub(crate) mod policy;
 pub mod question;
 pub mod read;
@@ -20,6 +22,7 @@ pub mod shape;
 pub mod sheet;
 pub mod start;
 pub mod times;
+pub mod zone;
 
 pub use question::{Answers, Question};
-pub use read::{Settled, Table, read, tables};
+pub use read::{Settled, Table, dates_go_on, joined, read, tables};

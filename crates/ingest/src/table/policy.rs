@@ -6,6 +6,17 @@ use std::ops::RangeInclusive;
 /// Moments since 1970 that a logger of our time can write, s: 1990 to 2055. What counts from 1904 is larger then.
 pub(super) const OUR_TIME_S: RangeInclusive<f64> = 631_152_000.0..=2_713_996_799.0;
 
+/// The latest moment that a count alone shows, without a date beside it: 2029, s since 1970. Chosen: what this version reads was
+/// measured before.
+pub(super) const LATEST_WITHOUT_WITNESS_S: f64 = 1_861_920_000.0;
+/// How far a date above a table may be from the first of the moments that it is a witness of, s: two days, for zones and for a
+/// head that was written before.
+pub(super) const WITNESS_WITHIN_S: f64 = 172_800.0;
+
+/// Years from here on are those of records that come in now: of a date with a year of two digits, one that reads day first in such a
+/// year and year first before it is day first. Chosen.
+pub(super) const RECENT_YEAR: i16 = 2015;
+
 /// Share by which an elapsed time and the dates beside it may differ and still be the same. Chosen: clocks of two chips drift by
 /// less; units differ by 60 and more.
 pub(super) const CLOCKS_AGREE_SHARE: f64 = 0.02;

@@ -2,19 +2,27 @@
 
 use std::collections::BTreeMap;
 
+use jiff::civil::DateTime;
+
+use super::dates_above::{Dated, dated};
 use super::kind::{self, Kind};
 use super::layout::{self, Layout};
 use super::numbers;
+use super::order::orders;
 use crate::StartedAt;
 use crate::formats::ReadContext;
 use crate::formats::cells::CellTable;
+use crate::formats::climate::moments::{NoOrder, moments};
 use crate::formats::error::ReadError;
+use crate::formats::policy::GAP_FACTOR;
+use crate::formats::stamp::{self, DateOrder};
 use crate::text::Line;
 use crate::text::grid::{is_blank_or_comment, push_line_in};
 use crate::text::header::Header;
 use crate::text::names::is_unit_of_time;
 use crate::text::number::unquote;
 use ieap_domain::Quantity;
+use ieap_numerics::robust::upper_median;
 
 /// A table of cells with what its columns are named.
 #[derive(Debug)]
@@ -29,6 +37,8 @@ pub struct Table<'a> {
     texts: BTreeMap<usize, Vec<&'a str>>,
     /// The cells of the first row, as the file has them.
     pub first_row: Vec<&'a str>,
+    /// The full dates above the table that can be read in one order: witnesses of numbers that are moments.
+    pub dates_above: Vec<DateTime>,
 }
 
 /// What was settled of the times of a table; the column that times it holds seconds now, or numbers in its unit.
@@ -86,13 +96,31 @@ pub fn read<'a>(
             }
         });
     }
+    // Names may be taken over several lines, the date's among them.
+    let above: Vec<&str> = lines[..shape.data_at.min(lines.len())]
+        .iter()
+        .take(LINES_ABOVE)
+        .map(|line| line.text)
+        .collect();
     Table {
+        dates_above: dates_of(&above),
         headers,
         first_row,
         layout: layout.clone(),
         cells,
         texts,
     }
+}
+
+/// Lines above a table in which dates are looked for. Chosen.
+const LINES_ABOVE: usize = 200;
+
+fn dates_of(above: &[&str]) -> Vec<DateTime> {
+    let read = |dated: &Dated<'_>| match orders(&dated.date)[..] {
+        [order] => stamp::civil(&dated.date, order),
+        _ => None,
+    };
+    dated(above).iter().filter_map(read).collect()
 }
 
 /// Adds a row; one that ends early where columns may be left away is whole.
@@ -183,6 +211,50 @@ fn goes_on(whole: &Table<'_>, parts: &[Table<'_>]) -> bool {
         .all(|at| numbers[at] > numbers[at - 1])
 }
 
+/// Whether the dates of parts under the same names go on from each to the next: with no longer pause than `pause` usual steps
+/// between two of them, where that is asked.
+pub fn dates_go_on(whole: &Table<'_>, parts: &[Table<'_>], pause: Option<f64>) -> bool {
+    let of_kind = |kind: Kind| (0..whole.headers.len()).find(|column| whole.kind(*column) == kind);
+    let texts: Vec<String> = match (of_kind(Kind::Moment), of_kind(Kind::Date), of_kind(Kind::Clock)) {
+        (Some(column), ..) => whole
+            .texts_of(column)
+            .iter()
+            .map(|text| (*text).to_owned())
+            .collect(),
+        (None, Some(date), Some(clock)) => (whole.texts_of(date).iter())
+            .zip(whole.texts_of(clock))
+            .map(|(date, clock)| format!("{date} {clock}"))
+            .collect(),
+        _ => return false,
+    };
+    let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+    let found = match moments(&texts, &DateOrder::ALL) {
+        Err(NoOrder::Several(orders)) => moments(&texts, &orders[..1]),
+        found => found,
+    };
+    let Ok(found) = found else {
+        return false;
+    };
+    let steps = |at: usize| found.elapsed_s[at] - found.elapsed_s[at - 1];
+    let mut usual: Vec<f64> = (1..found.elapsed_s.len()).map(steps).collect();
+    let usual = upper_median(&mut usual).unwrap_or(0.0);
+    let mut at = 0;
+    let starts = parts.iter().map(|part| {
+        at += part.cells.rows();
+        at
+    });
+    starts.take(parts.len() - 1).all(|at| {
+        let step = steps(at);
+        step > 0.0 && pause.is_none_or(|pause| step <= pause * usual)
+    })
+}
+
+/// The rows of all parts as one table.
+pub fn joined<'a>(lines: &[Line<'a>], layout: &Layout, keeps_words: impl Fn(&Header) -> bool) -> Table<'a> {
+    let lines = layout.joined(lines, &layout.parts(lines));
+    read(&lines, layout, layout.shape.data_at..lines.len(), keeps_words)
+}
+
 /// The tables of lines: more than one where a logger was started anew and wrote its names again.
 ///
 /// # Errors
@@ -208,9 +280,8 @@ pub fn tables<'a>(
     }
     tables.retain(|table| table.cells.rows() > 0);
     if tables.len() > 1 {
-        let lines = layout.joined(lines, &layout.parts(lines));
-        let whole = read(&lines, &layout, layout.shape.data_at..lines.len(), &keeps_words);
-        if goes_on(&whole, &tables) {
+        let whole = joined(lines, &layout, &keeps_words);
+        if goes_on(&whole, &tables) || dates_go_on(&whole, &tables, Some(GAP_FACTOR)) {
             tables = vec![whole];
         }
     }

@@ -246,12 +246,32 @@ fn most_common<T: Ord + Copy>(items: impl Iterator<Item = T>) -> Option<T> {
         .map(|(item, _)| item)
 }
 
+/// Rows of words alone that stand more than once, letter by letter.
+fn standing_again<'r, 'a>(rows: &'r [Row<'a>]) -> std::collections::BTreeSet<&'r Vec<&'a str>> {
+    let (mut once, mut again) = (
+        std::collections::BTreeSet::new(),
+        std::collections::BTreeSet::new(),
+    );
+    let is_words = |row: &&Row<'_>| row.kinds.iter().all(|kind| *kind == Kind::Word);
+    for row in rows.iter().filter(is_words) {
+        if !once.insert(&row.cells) {
+            again.insert(&row.cells);
+        }
+    }
+    again
+}
+
 /// The first row from which on nearly all rows are readings.
 fn first_of(rows: &[Row<'_>], kinds: &[Kind]) -> Option<usize> {
     let mut first = None;
     let (mut all, mut readings) = (0usize, 0usize);
+    let again = standing_again(rows);
     for (at, row) in rows.iter().enumerate().rev() {
         let fit = row.fit(kinds);
+        // Names that stand again are neither readings nor anything else.
+        if !fit.is_reading && again.contains(&row.cells) {
+            continue;
+        }
         all += 1;
         readings += usize::from(fit.is_reading);
         let nearly_all = readings as f64 >= OBEYING_SHARE * all as f64 || all - readings <= 1;

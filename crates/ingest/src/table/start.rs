@@ -1,7 +1,11 @@
 //! The start that lines above a table state.
 
+use crate::formats::climate::moments::with_offset;
+use crate::formats::date::EITHER_ORDER;
+use crate::formats::error::quoted;
 use crate::formats::stamp::{self, DateOrder};
-use crate::table::times::taken;
+use crate::table::dates_above::{dated, says_no_start};
+use crate::table::order::orders;
 use crate::{StartedAt, Timestamp};
 
 /// What a line begins with that says when a run began, in small letters, the longer first.
@@ -25,44 +29,83 @@ pub fn is_mark(c: char) -> bool {
     c.is_whitespace() || "\";,:=\t'".contains(c)
 }
 
-/// The orders in which a date can be read; dots are written day first.
-pub fn orders(date: &str) -> Vec<DateOrder> {
-    let bare = crate::formats::climate::moments::with_offset(date).map_or(date, |(bare, _)| bare);
-    let found: Vec<DateOrder> = (DateOrder::ALL.into_iter())
-        .filter(|order| stamp::civil(bare, *order).is_some())
-        .collect();
-    match taken(date, &found, None) {
-        Some((order, _)) => vec![order],
-        None => found,
-    }
-}
-
-/// The start that a line of the head states, where its date can be read in one order.
+/// The start that lines above a table state: behind a word for it, else the one full date that stands there, whatever is before
+/// it. One whose date can be read in several orders is left open.
 pub fn stated<'l>(head: impl Iterator<Item = &'l str>, stated: Option<DateOrder>) -> Option<StartedAt> {
-    head.into_iter().find_map(|line| {
+    let lines: Vec<&str> = head.collect();
+    let named = lines.iter().find_map(|line| {
         let text = line.trim_start_matches(['"', '#', ' ', '\t']);
         let (_, rest) = after_word(text)?;
-        let date = rest.trim_matches(is_mark);
-        let orders = orders(date);
-        let order = match orders.as_slice() {
-            [only] => *only,
-            several => stated.filter(|order| several.contains(order))?,
-        };
-        let (bare, offset_s) = match crate::formats::climate::moments::with_offset(date) {
-            Some((bare, offset_s)) => (bare, Some(offset_s)),
-            None => (date, None),
-        };
-        let local = stamp::civil(bare, order)?;
-        let offset = offset_s.map(|offset_s| {
-            let (sign, minutes) = (if offset_s < 0 { '-' } else { '+' }, offset_s.abs() / 60);
-            format!("{sign}{:02}:{:02}", minutes / 60, minutes % 60)
-        });
-        Some(StartedAt {
-            raw: date.to_owned(),
-            kind: Timestamp::Start,
-            local: Some(local.to_string()),
-            offset,
-            basis: format!("a line above the table, {}", order.words()),
-        })
+        of_date(rest.trim_matches(is_mark), stated)
+    });
+    named.or_else(|| the_one_above(&lines, stated))
+}
+
+/// The one full date above a table of which no word says that it is another moment.
+fn the_one_above(lines: &[&str], stated: Option<DateOrder>) -> Option<StartedAt> {
+    let mut found = dated(&lines[..lines.len().min(MOST_LINES)]);
+    found.retain(|dated| !says_no_start(dated.label));
+    found.dedup_by(|a, b| a.date == b.date);
+    // Of a calibration and a start years apart the later one is the start; of two of one day nobody knows.
+    let starts: Vec<StartedAt> = found
+        .iter()
+        .filter_map(|dated| of_date(&dated.date, stated))
+        .collect();
+    let day = |start: &StartedAt| {
+        start
+            .local
+            .as_deref()
+            .map(|local| local[..local.len().min(10)].to_owned())
+    };
+    let latest = starts.iter().filter_map(day).max();
+    let mut of_latest = starts
+        .iter()
+        .filter(|start| starts.len() == 1 || day(start) == latest);
+    let only = of_latest.next().filter(|_| of_latest.next().is_none())?;
+    let label = found
+        .iter()
+        .find(|dated| dated.date == only.raw)
+        .map_or("", |dated| dated.label);
+    let basis = match only.basis.strip_prefix("a line above the table") {
+        Some(order) => format!("{ONLY_DATE}{}{order}", quoted(label)),
+        None => only.basis.clone(),
+    };
+    Some(StartedAt {
+        basis,
+        ..only.clone()
+    })
+}
+
+/// What is said of a start that no word names: what the basis of its date begins with.
+pub const ONLY_DATE: &str = "the one full date above the table, behind ";
+/// Lines above a table in which a start is looked for. Chosen.
+const MOST_LINES: usize = 200;
+
+/// The start that a date states, in the order that it shows or that is stated; none where it is no date.
+pub fn of_date(date: &str, stated: Option<DateOrder>) -> Option<StartedAt> {
+    let orders = orders(date);
+    let order = match orders.as_slice() {
+        [] => return None,
+        [only] => Some(*only),
+        several => stated.filter(|order| several.contains(order)),
+    };
+    let (bare, offset_s) = match with_offset(date) {
+        Some((bare, offset_s)) => (bare, Some(offset_s)),
+        None => (date, None),
+    };
+    let local = order.and_then(|order| stamp::civil(bare, order));
+    let offset = offset_s.map(|offset_s| {
+        let (sign, minutes) = (if offset_s < 0 { '-' } else { '+' }, offset_s.abs() / 60);
+        format!("{sign}{:02}:{:02}", minutes / 60, minutes % 60)
+    });
+    Some(StartedAt {
+        raw: date.to_owned(),
+        kind: Timestamp::Start,
+        local: local.map(|local| local.to_string()),
+        offset,
+        basis: match order {
+            Some(order) => format!("a line above the table, {}", order.words()),
+            None => EITHER_ORDER.to_owned(),
+        },
     })
 }

@@ -5,11 +5,12 @@
 
 use super::duration::{self, Fields, TwoFields};
 use super::kind::Kind;
+use super::order::taken;
 use super::question::Question;
 use super::read::{Settled, Table};
 use super::rows;
 use crate::formats::ReadContext;
-use crate::formats::climate::moments::{Moments, NoOrder, moments, offset_in};
+use crate::formats::climate::moments::{Moments, NoOrder, moments};
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::policy::BAD_SHARE;
 use crate::formats::stamp::{DateOrder, in_digits};
@@ -624,7 +625,7 @@ fn by_dates(
     let offset = if moments.in_utc {
         Some("+00:00".to_owned())
     } else {
-        offset_in(&name)
+        None
     };
     Ok(Wall {
         columns,
@@ -634,21 +635,4 @@ fn by_dates(
         reason,
         offset,
     })
-}
-
-/// Of several orders day first, where dots stand between the numbers; else the one that somebody states.
-pub fn taken(
-    first: &str,
-    orders: &[DateOrder],
-    stated: Option<DateOrder>,
-) -> Option<(DateOrder, &'static str)> {
-    let with_dots = first.chars().find(|c| matches!(c, '.' | '/' | '-')) == Some('.');
-    if with_dots && orders.contains(&DateOrder::DayFirst) {
-        return Some((DateOrder::DayFirst, ", as dates with dots are written"));
-    }
-    let stated = stated.filter(|order| orders.contains(order))?;
-    Some((
-        stated,
-        ", as campaign.toml states or other files of the folder show",
-    ))
 }

@@ -112,6 +112,37 @@ pub(super) const TIMES: &str = "time;zeit;date;datum;timestamp;epoch;unix;uts;el
 pub(super) const ELAPSED: &str = "elapsed;test;run;step;total;duration;lauf;mess;dauer;écoul;durée;transcurrid;trascors;decorrid;\
     relativ;since;経過;kulunud";
 
+/// Parts of words that say of a date above a table that it is no start: of an end, an export, a calibration, a version.
+pub(crate) const NO_STARTS: &str = "export;saved;print;calib;kalib;étalon;version;firmware;build;modif;expir;due;valid;report;install;end;finish;\
+    stop;ende;fin ;fin:;koniec;lõpp;kalibr;exportiert;gespeichert;gedruckt;校准;校正;导出;保存;结束;終了;出力;更新;교정;저장;종료;내보내;конец;\
+    оконч;экспорт;калибр;сохран";
+/// Words that speak of time zones.
+pub(crate) const ZONES: &str = "timezone;zone;tz;utc;gmt;dst;daylight;summertime;sommerzeit;zeitzone;fuseau;huso;fuso;strefa;časové;ajavöönd;\
+    часовой пояс;时区;時區;タイムゾーン;시간대";
+/// Letters of clocks that are those of one zone alone, with their minutes from UTC.
+pub(crate) const ZONE_LETTERS: [(&str, i64); 20] = [
+    ("CET", 60),
+    ("CEST", 120),
+    ("MEZ", 60),
+    ("MESZ", 120),
+    ("WET", 0),
+    ("WEST", 60),
+    ("EET", 120),
+    ("EEST", 180),
+    ("MSK", 180),
+    ("JST", 540),
+    ("KST", 540),
+    ("HKT", 480),
+    ("SGT", 480),
+    ("AEST", 600),
+    ("EST", -300),
+    ("EDT", -240),
+    ("MST", -420),
+    ("MDT", -360),
+    ("PST", -480),
+    ("PDT", -420),
+];
+
 /// What a column is of a quantity that its name speaks of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {

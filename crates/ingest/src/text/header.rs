@@ -37,6 +37,14 @@ impl Meaning {
         }
     }
 
+    /// To the canonical unit, where the quantity is known.
+    pub fn conversion(&self) -> Conversion {
+        match self {
+            Meaning::Known { conversion, .. } => *conversion,
+            _ => Conversion::IDENTITY,
+        }
+    }
+
     /// The quantity the name speaks of, whether its unit fits or not.
     pub fn named_quantity(&self) -> Option<Quantity> {
         match self {

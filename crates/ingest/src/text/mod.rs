@@ -11,6 +11,7 @@ pub mod names;
 pub mod number;
 pub(crate) mod policy;
 pub mod unit_row;
+pub mod units_in_cells;
 pub mod whole_line;
 
 pub use delimiter::Delimiter;

@@ -192,7 +192,7 @@ pub fn says_measured(word: &str) -> bool {
 }
 
 /// The words of a name in small letters: split at marks, and before a capital after a small letter.
-fn words_of(name: &str) -> Vec<String> {
+pub(crate) fn words_of(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before = ' ';
     for c in half_width(name).chars() {

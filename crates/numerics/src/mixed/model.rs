@@ -35,6 +35,15 @@ pub struct Unit {
     pub readings: Vec<Reading>,
 }
 
+/// Of which size a component may be before its values are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Width {
+    /// That of what differs from reading to reading: what the readings of a sample in one environment share.
+    Readings,
+    /// That of all that differs: samples are not alike because their readings repeat.
+    All,
+}
+
 /// The model.
 #[derive(Debug, Clone)]
 pub struct MixedModel {
@@ -42,6 +51,8 @@ pub struct MixedModel {
     pub units: Vec<Unit>,
     /// To which component each column of `Z` belongs, from 0.
     pub component_of: Vec<usize>,
+    /// The size of each component before its values are looked at.
+    pub widths: Vec<Width>,
 }
 
 impl MixedModel {
@@ -53,6 +64,6 @@ impl MixedModel {
 
     /// Number of components.
     pub fn components(&self) -> usize {
-        self.component_of.iter().map(|of| of + 1).max().unwrap_or(0)
+        self.widths.len()
     }
 }

@@ -1,16 +1,14 @@
 //! A reading that is not like its own: how likely it is of something else than what the model describes.
 //!
-//! Each reading in turn is given a shift of its own, the others saying what it should be: Student's t over the degrees of
-//! freedom that they leave, against the wide law that what is of something else follows. Two readings of one condition that lie
-//! apart accuse each other alike, and of few degrees of freedom nothing is odd: no rule says so, the law of Student does.
+//! Each reading in turn is given a shift of its own, the others saying what it should be: by the mixture over the scatters that
+//! they leave likely, against the wide law that what is of something else follows. Two readings of one condition that lie apart
+//! accuse each other alike, and of few readings nothing is odd: no rule says so, the mixture does.
 
-use statrs::distribution::{Cauchy, Continuous, StudentsT};
+use statrs::distribution::{Cauchy, Continuous};
 
-use super::at::Likely;
-use super::block::{blocks, least_variance};
 use super::estimated::Estimated;
-use super::model::{MixedModel, Reading, Unit};
-use crate::sums::dot;
+use super::likely::{AtReadings, Rows};
+use super::model::{MixedModel, Unit};
 
 /// Part of all readings that are of something else, before they are looked at: a run in a hundred. Chosen;
 /// `cargo unit -p ieap-analysis study::tests` counts what follows: with nothing odd, and with two runs swapped.
@@ -21,6 +19,8 @@ const ODD_WIDTH: f64 = 5.0;
 /// Readings whose shift is asked in a round: those that stand furthest off. Chosen: two of a condition accuse each other, and
 /// one more.
 const ASKED: usize = 3;
+/// Standard errors below which no reading is asked: there the odds are a tenth at most.
+const NOT_ASKED_BELOW: f64 = 2.5;
 /// Part of its information that a shift must have of its own: below this nothing else is said of the reading. Rounding.
 const OWN_PART: f64 = 1e-9;
 
@@ -36,22 +36,20 @@ pub struct Odd {
 }
 
 impl MixedModel {
-    /// The model with each reading counted as it is likely to be of it, and those that count as less than one.
-    pub fn with_odd_weighed(mut self) -> (MixedModel, Vec<Odd>) {
+    /// The model with each reading counted as it is likely to be of it, those that count as less than one, and what it says then.
+    pub fn with_odd_weighed(mut self) -> (MixedModel, Vec<Odd>, Option<Estimated>) {
         let mut odd: Vec<Odd> = Vec::new();
-        let mut last = None;
-        while let Some(found) = self.estimated_from(last.as_ref()) {
+        while let Some(found) = self.estimated() {
             let more = self.more_odd(&found);
             if more.is_empty() {
-                break;
+                return (self, odd, Some(found));
             }
             for own in &more {
                 self.units[own.place.0].readings[own.place.1].weight = own.weight;
             }
             odd.extend(more);
-            last = Some(found);
         }
-        (self, odd)
+        (self, odd, None)
     }
 
     /// Readings that count as one and may be odd, where it is likelier that one of them is than that none is.
@@ -59,8 +57,14 @@ impl MixedModel {
         let mut far = self.standings(found).unwrap_or_default();
         far.sort_by(|a, b| b.1.total_cmp(&a.1));
         let mut asked: Vec<(Odd, f64)> = Vec::new();
+        // Without a reading the others scatter less: so far off it stands of them.
+        let left = self.readings() - found.coefficients.len() as f64;
+        let alone = |off: f64| off * ((left - 1.0) / (left - off * off).max(0.0)).max(0.0).sqrt();
+        if far.first().is_none_or(|(_, off)| alone(*off) < NOT_ASKED_BELOW) {
+            return Vec::new();
+        }
         for &(place, _) in far.iter().take(ASKED) {
-            if let Some((off, odds)) = self.odds_of(place, found) {
+            if let Some((off, odds)) = self.odds_of(place) {
                 let weight = 1.0;
                 asked.push((Odd { place, off, weight }, odds));
             }
@@ -85,16 +89,14 @@ impl MixedModel {
 
     /// How far off a reading stands of what the others say, and the odds that it is of something else; none where they say
     /// nothing of it.
-    fn odds_of(&self, place: (usize, usize), found: &Estimated) -> Option<(f64, f64)> {
+    fn odds_of(&self, place: (usize, usize)) -> Option<(f64, f64)> {
         let fixed = self.units.first()?.fixed.len();
         let mut factors = vec![0.0; fixed + 1];
         factors[fixed] = 1.0;
-        let shift = self
-            .with_shift(place)
-            .estimated_from(Some(found))?
-            .combined(&factors);
-        let off = shift.value / shift.variance.sqrt();
-        let like = StudentsT::new(0.0, 1.0, shift.freedom.min(1e6)).ok()?.ln_pdf(off);
+        let shift = self.with_shift(place).estimated()?.combined(&factors);
+        let error = shift.middle_error();
+        let off = shift.mean() / error;
+        let like = (shift.density(0.0) * error).ln();
         let odd = Cauchy::new(0.0, ODD_WIDTH).ok()?.ln_pdf(off);
         let odds = (PART_ODD / (1.0 - PART_ODD)).ln() + odd - like;
         // Beyond this a chance is 1 to the last digit.
@@ -127,44 +129,10 @@ impl MixedModel {
     /// Readings that count as one, by unit and place, with how far off each stands, in its standard errors at the variances
     /// found: the score of a shift of it. Of what nothing else is said it is 0.
     pub(super) fn standings(&self, found: &Estimated) -> Option<Vec<((usize, usize), f64)>> {
-        let (at, blocks) = (
-            Likely::of(self, &found.variances)?,
-            blocks(self, &found.variances)?,
-        );
-        let shared = *found.variances.last()?;
-        let least = least_variance(self, shared);
-        let by_chance: Vec<Option<Vec<f64>>> = (blocks.iter())
-            .map(|block| block.as_ref().map(|own| own.by_chance(&at.coefficients).1))
-            .collect();
-        let mut stand = Vec::new();
-        for (k, unit) in self.units.iter().enumerate() {
-            let (Some(block), Some(chance)) = (&blocks[unit.block], &by_chance[unit.block]) else {
-                continue;
-            };
-            let middle = block.middle.times_vector(&unit.random);
-            let crossed = block.crossed.times_vector(&middle);
-            let fixed = unit.fixed.iter().enumerate();
-            let left: Vec<f64> = fixed
-                .map(|(k, x)| x - crossed.get(k).copied().unwrap_or(0.0))
-                .collect();
-            let taken = at.covariance.form(&left, &left);
-            let (said, own) = (
-                dot(&unit.fixed, &at.coefficients) + dot(&unit.random, chance),
-                dot(&unit.random, &middle),
-            );
-            let off = |reading: &Reading| {
-                let w = (shared + reading.variance).max(least).recip();
-                let size = w - w * w * (own + taken);
-                if size > OWN_PART * w {
-                    (w * (reading.value - said)).abs() / size.sqrt()
-                } else {
-                    0.0
-                }
-            };
-            let whole = unit.readings.iter().enumerate();
-            let whole = whole.filter(|(_, reading)| reading.weight == 1.0);
-            stand.extend(whole.map(|(place, reading)| ((k, place), off(reading))));
-        }
-        Some(stand)
+        let rows = Rows::of(self);
+        let at = AtReadings::of(&rows, *found.variances.last()?)?;
+        let mut all = at.standings(&found.variances, OWN_PART);
+        all.retain(|((unit, place), _)| self.units[*unit].readings[*place].weight == 1.0);
+        Some(all)
     }
 }

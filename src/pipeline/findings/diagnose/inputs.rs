@@ -21,7 +21,9 @@ pub(super) fn with_inputs<R>(
     let responses: Vec<Vec<Channel>> = members
         .iter()
         .zip(channels)
-        .map(|(&index, channels)| derived::responses(channels, tasks[index].length_cm))
+        .map(|(&index, channels)| {
+            derived::responses(channels, tasks[index].length_cm, Some(&tasks[index].drive))
+        })
         .collect();
     let inputs: Vec<RunInput> = members
         .iter()

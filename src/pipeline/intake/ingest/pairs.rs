@@ -15,6 +15,7 @@ use crate::domain::pairs::Pair;
 use crate::ingest::StartedAt;
 use crate::ingest::pairs::{Half, Paired, half_of, pair, window_s};
 use crate::ingest::scan::{Scan, SeenFile};
+use crate::pipeline::campaign::planned::known_sheets;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::ReadFile;
@@ -30,6 +31,7 @@ pub fn paired(context: &Context) -> Result<Paired, PipelineError> {
         &halves,
         &context.campaign.pairs,
         &context.campaign.runs_folder,
+        &known_sheets(context)?.pairs(),
     ))
 }
 
@@ -105,7 +107,13 @@ pub fn settle_pairs(
 ) -> Result<(), PipelineError> {
     let files = context.store.read_files()?;
     let halves = halves(context, &files)?;
-    let wanted = pair(&halves, &context.campaign.pairs, &context.campaign.runs_folder);
+    let campaign = &context.campaign;
+    let wanted = pair(
+        &halves,
+        &campaign.pairs,
+        &campaign.runs_folder,
+        &context.sheets.pairs(),
+    );
     let stored = pairs_among(&files);
     let is_wanted = |files: &[String; 2]| {
         let is = |pair: &Pair| *files == [pair.electrical.clone(), pair.bending.clone()];

@@ -1,7 +1,8 @@
 //! Whether places along the strip fit the sample's free length.
 
 use crate::domain::number::fixed;
-use crate::domain::{Channel, Issue, Quantity, RunClock, RunOrigin};
+use crate::domain::{Channel, Drive, Issue, Quantity, RunClock, RunOrigin};
+use crate::ingest::derived;
 
 /// Part of the free length by which what frames show may differ from what a ruler does.
 const ALIKE: f64 = 0.05;
@@ -39,6 +40,9 @@ pub(super) fn misplaced(channels: &[Channel], length_mm: f64) -> Option<Issue> {
     })
 }
 
+/// Difference of the two readings of a zero from which on it is said, %: the digit that is printed.
+const SAID_FROM_PERCENT: f64 = 0.1;
+
 /// Code of the issue of a tip that moves further than its strip is long.
 pub const BEYOND_STRIP: &str = "displacement-beyond-strip";
 
@@ -74,6 +78,45 @@ pub(super) fn beyond_strip(channels: &[Channel], length_mm: f64, origin: &RunOri
         Issue::error(BEYOND_STRIP, message)
             .at(Quantity::TipDisplacement.column())
             .mend(mend)
+    })
+}
+
+/// A tip that does not stand at 0 before the first edge: the curvature is counted from there, as that of a sensor that was not
+/// zeroed, and what it would be of a strip that was bent is said where a scale differs.
+pub(super) fn zero_at_rest(channels: &[Channel], drive: &Drive, length_mm: f64) -> Option<Issue> {
+    let is_tip = |channel: &&Channel| channel.quantity == Quantity::TipDisplacement && !channel.is_empty();
+    let tip = channels.iter().find(is_tip)?;
+    if channels
+        .iter()
+        .any(|channel| channel.is_whole(Quantity::Curvature))
+    {
+        return None;
+    }
+    let rest_mm = derived::rest_mm(tip, drive)?;
+    let (_, readings_mm) = tip.included();
+    let furthest_mm = readings_mm
+        .iter()
+        .copied()
+        .max_by(|a, b| (a - rest_mm).abs().total_cmp(&(b - rest_mm).abs()))?;
+    let curvature = |mm: f64| derived::curvature_of_displacement(mm, length_mm / 10.0);
+    let bent = curvature(furthest_mm) - curvature(rest_mm);
+    let differs = 100.0 * (bent / curvature(furthest_mm - rest_mm) - 1.0);
+    let is_beyond = rest_mm.abs() > length_mm;
+    (differs.abs() >= SAID_FROM_PERCENT || is_beyond).then(|| {
+        let otherwise = if is_beyond {
+            String::new()
+        } else {
+            format!(
+                "; were the strip bent so at rest, it would bend by {} % {}",
+                fixed(differs.abs(), 1),
+                if differs < 0.0 { "less" } else { "more" }
+            )
+        };
+        let message = format!(
+            "before the first edge the tip reads {} mm: this is taken as the zero of the sensor{otherwise}",
+            fixed(rest_mm, 3)
+        );
+        Issue::note("displacement-zero", message).at(Quantity::TipDisplacement.column())
     })
 }
 
@@ -131,6 +174,29 @@ mod tests {
         assert_eq!(told.code, BEYOND_STRIP);
         assert!(told.message.contains("5636.0 mm") && told.mend.contains("d (mm)=tip_displacement,um"));
         assert_eq!(beyond_strip(&[tip(-12.0)], 8.0, &RunOrigin::default()), None);
+    }
+
+    #[test]
+    fn a_sensor_that_was_not_zeroed_is_told_with_what_a_bent_strip_would_be() {
+        let tip = |readings: [f64; 4]| {
+            Channel::new(
+                Quantity::TipDisplacement,
+                vec![-2.0, -1.0, 1.0, 2.0].into(),
+                readings.into(),
+            )
+        };
+        let of = |readings| zero_at_rest(&[tip(readings)], &Drive::step(1.0), 10.0);
+        let told = of([0.21, 0.21, 1.0, 2.21]).unwrap();
+        assert_eq!(told.code, "displacement-zero");
+        assert!(
+            told.message.contains("reads 0.210 mm") && told.message.contains(" % less"),
+            "{}",
+            told.message
+        );
+        // A distance, no displacement: no strip is bent so far.
+        let told = of([25.0, 25.0, 26.0, 27.0]).unwrap();
+        assert!(!told.message.contains("bent"), "{}", told.message);
+        assert_eq!(of([0.0, 0.0, 1.0, 2.0]), None);
     }
 
     #[test]

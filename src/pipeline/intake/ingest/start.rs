@@ -53,10 +53,10 @@ fn before_end(stamp: &StartedAt, last_s: f64) -> Option<StartedAt> {
     })
 }
 
-/// Whether day and month of a start may stand in either order.
+/// Whether day, month and year of a start may stand in several orders.
 pub fn is_open(started: &StartedAt) -> bool {
-    let reads = |order| stamp::civil(&started.raw, order).is_some();
-    started.local.is_none() && reads(DateOrder::DayFirst) && reads(DateOrder::MonthFirst)
+    let reads = |order: &DateOrder| stamp::civil(&started.raw, *order).is_some();
+    started.local.is_none() && DateOrder::ALL.iter().filter(|order| reads(order)).count() > 1
 }
 
 /// The start with its date read in the order that campaign.toml states, else in the one that the files beside `file`

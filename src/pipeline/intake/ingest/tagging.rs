@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::left_out;
-use super::places::{beyond_strip, misplaced};
+use super::places::{beyond_strip, misplaced, zero_at_rest};
 use super::start;
 use super::unread::missing_responses;
 use super::window::window;
@@ -480,6 +480,11 @@ pub(crate) fn conclude(
     issues.extend(length_mm.and_then(|length_mm| misplaced(input.channels, length_mm)));
     let beyond = length_mm.and_then(|length_mm| beyond_strip(input.channels, length_mm, input.origin));
     let is_beyond = beyond.is_some();
+    let zero = length_mm
+        .zip(found.drive.as_ref())
+        .filter(|_| !is_beyond)
+        .and_then(|(length_mm, drive)| zero_at_rest(input.channels, drive, length_mm));
+    issues.extend(zero);
     issues.extend(beyond);
     let stated = found.drive.as_ref().filter(|_| input.is_step_response);
     issues.extend(stated.and_then(|drive| drive::jumps::unexplained(input.channels, drive)));

@@ -6,7 +6,7 @@ use super::places::BEYOND_STRIP;
 use super::tagging::NO_AREA;
 use super::unread::RESPONSE_MISSING;
 use crate::domain::{RunKind, Severity};
-use crate::ingest::name_pattern::{self, ProposedPattern};
+use crate::ingest::name_pattern::{self, NoSurroundings, ProposedPattern};
 use crate::ingest::tags::{self, MISSING, MISSPELT, UNDECLARED, UNKNOWN_SAMPLE};
 use crate::pipeline::infra::mends::{Together, together};
 use crate::pipeline::{Context, PipelineError};
@@ -60,7 +60,8 @@ pub fn proposed_pattern<'a>(
     let runs = untagged.filter(|path| context.campaign.kind_of(path) == RunKind::Actuation);
     let stems: Vec<String> = runs.map(|path| tags::stem(Path::new(path))).collect();
     let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
-    let found = name_pattern::propose(&stems)?;
+    let none = NoSurroundings::among(stems.iter().copied());
+    let found = name_pattern::propose(&stems, &none)?;
     let is_new = context.campaign.name_pattern.as_ref() != Some(&found.pattern);
     (found.explains >= 2 && is_new).then_some(found)
 }

@@ -116,7 +116,7 @@ pub fn drive_as_fitted(run: &RunAtHand, options: &FitOptions) -> Drive {
     if options.model.id == distributed::MODEL_ID {
         return EdgeTimes::of(drive).drive().clone();
     }
-    let channels = derived::responses(&run.channels, run.task.length_cm);
+    let channels = derived::responses(&run.channels, run.task.length_cm, Some(drive));
     let input = FitInput {
         channels: &channels,
         drive,

@@ -14,7 +14,7 @@ use crate::show::Frame;
 /// # Errors
 /// The drive is no train of three cycles or more.
 pub fn cycles(run: &RunAtHand) -> Result<Frame, Issue> {
-    let channels = derived::responses(&run.channels, run.task.length_cm);
+    let channels = derived::responses(&run.channels, run.task.length_cm, Some(&run.task.drive));
     let Some(mut train) = cycles_of(&run.task.drive, &channels) else {
         let message = "the drive is no train of three cycles or more";
         let issue = Issue::error("no-train", message).at("drive");

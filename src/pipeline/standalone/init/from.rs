@@ -12,7 +12,7 @@ use super::plan::{NamedSample, PlannedFile, plan};
 use super::text::campaign_text;
 use super::{MAKING, make_folders};
 use crate::domain::DateOrder;
-use crate::domain::pairs::{LoneHalf, Pair};
+use crate::domain::pairs::{HalfKind, LoneHalf, Pair};
 use crate::domain::tag::keys;
 use crate::ingest::campaign_file;
 use crate::ingest::formats::error::ASKED;
@@ -147,14 +147,8 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
             ));
         }
     }
-    open.extend(proposed.lone_halves.iter().map(|half| {
-        format!(
-            "{} is half of a run ({}) and waits for {}",
-            half.path,
-            half.holds.label(),
-            half.waits_for
-        )
-    }));
+    open.extend(lone_halves(&proposed.lone_halves));
+    open.extend(starts_to_confirm(&proposed.files));
     if has_open_dates && proposed.date_order.is_none() {
         open.push("campaign.toml: date_order, for dates that fit two orders".to_owned());
     }
@@ -186,6 +180,49 @@ fn fill_in(proposed: &Proposed, has_open_dates: bool, no_zone: bool) -> Vec<Stri
         )
     }));
     open
+}
+
+/// Halves without a partner, those that hold the same in one line.
+fn lone_halves(halves: &[LoneHalf]) -> Vec<String> {
+    let line = |kind: HalfKind| {
+        let mut own = halves.iter().filter(|half| half.holds == kind);
+        let (count, first) = (own.clone().count(), own.next()?);
+        let holds = kind.label();
+        Some(match count {
+            1 => format!(
+                "{} is half of a run ({holds}) and waits for {}",
+                first.path, first.waits_for
+            ),
+            count => format!(
+                "{count} files are halves of runs ({holds}), first {}, which waits for {}: a [[pair]] of campaign.toml or a run \
+                 sheet with both names in one row says which belong together",
+                first.path, first.waits_for
+            ),
+        })
+    };
+    [HalfKind::Electrical, HalfKind::Bending]
+        .into_iter()
+        .filter_map(line)
+        .collect()
+}
+
+/// Starts that no word names, one question for all files whose line begins alike.
+fn starts_to_confirm(files: &[PlannedFile]) -> Vec<String> {
+    let mut by_words: BTreeMap<&str, Vec<&PlannedFile>> = BTreeMap::new();
+    for file in files {
+        if let Some(words) = file.seen.start_words.as_deref() {
+            by_words.entry(words).or_default().push(file);
+        }
+    }
+    let line = |(words, files): (&str, Vec<&PlannedFile>)| {
+        let raw = files[0].seen.start_raw.as_deref().unwrap_or("");
+        format!(
+            "{} file(s), first {}: {words} {raw} is taken as the start; if it is another moment, tag the runs with started_at",
+            files.len(),
+            files[0].seen.path
+        )
+    };
+    by_words.into_iter().map(line).collect()
 }
 
 /// Makes the campaign; campaign.toml comes last, so that what is not whole is none.

@@ -17,6 +17,7 @@ use crate::ingest::pairs::{half_of, window_s};
 use crate::ingest::profiles::{self, Profile};
 use crate::ingest::run_sheet::SheetRow;
 use crate::ingest::scan::{is_own_product, is_passing_name, states_for};
+use crate::ingest::table::start;
 use crate::ingest::{Reading, climate_log, drive, run_sheet};
 use crate::pipeline::intake::ingest::groups::is_named_as_copy;
 use crate::pipeline::intake::ingest::unread::missing_responses;
@@ -100,6 +101,12 @@ pub struct Seen {
     /// When it began and ended, s since 1970, as far as its clock tells.
     #[serde(skip)]
     pub window_s: Option<(f64, f64)>,
+    /// What stands before a date that is taken as its start although no word says so, and that date.
+    #[serde(skip)]
+    pub start_words: Option<String>,
+    /// See `start_words`.
+    #[serde(skip)]
+    pub start_raw: Option<String>,
     /// What is to be known of it: why it is not read, columns taken under another name.
     pub issues: Vec<Issue>,
     /// Where it lies.
@@ -213,6 +220,8 @@ fn one(path: &Path, shown: String, usable: &mut Vec<Profile>, looked: &mut Looke
         has_drive: false,
         half: None,
         window_s: None,
+        start_words: None,
+        start_raw: None,
         issues: Vec::new(),
         location: path.to_owned(),
     };
@@ -354,10 +363,17 @@ fn of_reading(seen: Seen, reading: &Reading, format: String) -> Seen {
         .filter_map(|c| c.time_s.first().copied().zip(c.time_s.last().copied()));
     let times = times.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let window = reading.started_at.as_ref().zip(times);
+    let unnamed = reading.started_at.as_ref().and_then(|start| {
+        let words = start.basis.strip_prefix(start::ONLY_DATE)?;
+        let words = words.split_once("\", ").map_or(words, |(words, _)| words);
+        Some((format!("{}\"", words.trim_end_matches('"')), start.raw.clone()))
+    });
     Seen {
         half: half_of(all.iter().map(|channel| channel.quantity)).filter(|_| taken == Taken::Run),
         // Of two files without a zone both count as if they had the same.
         window_s: window.and_then(|(stamp, times)| window_s(stamp, times, 0.0)),
+        start_words: unnamed.as_ref().map(|(words, _)| words.clone()),
+        start_raw: unnamed.map(|(_, raw)| raw),
         taken,
         format,
         columns: columns.collect(),

@@ -1,6 +1,6 @@
 //! What files become in a campaign: where each goes, which tags its name gives, and what is still missing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -11,9 +11,10 @@ use crate::domain::campaign::BUILT_IN_ENVIRONMENTS;
 use crate::domain::pairs::{LoneHalf, Pair, PairRules};
 use crate::domain::tag::keys;
 use crate::ingest::name_pattern::{
-    KnownIds, NameMatch, NamePattern, ProposedPattern, environment, environment_of, propose, tags_of_name,
+    KnownIds, NameMatch, NamePattern, NoSurroundings, ProposedPattern, environment, propose, tags_of_name,
 };
 use crate::ingest::pairs::{Half, Paired, pair};
+use crate::ingest::run_sheet::pairs_of;
 use crate::ingest::tags;
 
 /// Tags by key.
@@ -66,6 +67,7 @@ pub struct Plan {
 /// Plans a campaign of the files that were looked at.
 pub fn plan(looked: &Looked) -> Plan {
     let stem_of = |seen: &Seen| tags::stem(Path::new(&seen.path));
+    let none = no_surroundings(looked);
     let Paired { pairs, lone } = paired(looked);
     // The run of two files has the name of the one with the current.
     let is_partner = |seen: &Seen| pairs.iter().any(|pair| pair.bending == seen.path);
@@ -76,12 +78,12 @@ pub fn plan(looked: &Looked) -> Plan {
         .map(|seen| partner_rows(looked, &pairs, seen))
         .collect();
     let named: Vec<Tags> = (runs.iter().zip(&stems).zip(&rows))
-        .map(|((seen, stem), rows)| named(seen, stem, rows))
+        .map(|((seen, stem), rows)| named(seen, stem, rows, &none))
         .collect();
-    let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>())
+    let pattern = propose(&stems.iter().map(String::as_str).collect::<Vec<_>>(), &none)
         .filter(|found| !contradicts(found, &stems, &rows));
     let logs = looked.files.iter().filter(|seen| seen.taken == Taken::ModulusLog);
-    let of_logs: Vec<String> = logs.filter_map(sample_of_name).collect();
+    let of_logs: Vec<String> = logs.filter_map(|seen| sample_of_name(seen, &none)).collect();
     let of_runs = named.iter().filter_map(|tags| tags.get(keys::SAMPLE));
     let samples = Samples::of(of_runs.chain(&of_logs));
     let compiled = pattern
@@ -119,7 +121,7 @@ pub fn plan(looked: &Looked) -> Plan {
         .filter_map(|seen| match seen.taken {
             Taken::Run if is_partner(seen) => Some(partner(seen)),
             Taken::Run => of_runs.next(),
-            Taken::ModulusLog => Some(modulus_log(looked, seen, &samples)),
+            Taken::ModulusLog => Some(modulus_log(looked, seen, &samples, &none)),
             _ => Some(planned(seen, stated_beside(looked, seen), BTreeMap::new())),
         })
         .map(|file: PlannedFile| PlannedFile {
@@ -134,6 +136,17 @@ pub fn plan(looked: &Looked) -> Plan {
         samples: samples.into_list(),
         pattern,
     }
+}
+
+/// What the names of all files and folders say together of which words are no surroundings.
+fn no_surroundings(looked: &Looked) -> NoSurroundings {
+    let stems: BTreeSet<String> = (looked.files.iter())
+        .flat_map(|seen| {
+            let folders = seen.path.split('/').rev().skip(1).map(str::to_owned);
+            folders.chain([tags::stem(Path::new(&seen.path))])
+        })
+        .collect();
+    NoSurroundings::among(stems.iter().map(String::as_str))
 }
 
 /// Whether the word that a pattern takes for the sample is another than the run sheet's in every run that one lists: the number of
@@ -164,7 +177,7 @@ fn paired(looked: &Looked) -> Paired {
         })
     };
     let halves: Vec<Half> = looked.files.iter().filter_map(half).collect();
-    let found = pair(&halves, &PairRules::default(), "runs");
+    let found = pair(&halves, &PairRules::default(), "runs", &pairs_of(&looked.rows));
     let below = |path: String| path.strip_prefix("runs/").map_or(path.clone(), str::to_owned);
     let pairs = found.pairs.into_iter().map(|pair| Pair {
         electrical: below(pair.electrical),
@@ -241,10 +254,10 @@ fn planned(seen: &Seen, tags: BTreeMap<String, String>, beside: BTreeMap<String,
 }
 
 /// A modulus log, whose name may name a sample of the runs.
-fn modulus_log(looked: &Looked, seen: &Seen, samples: &Samples) -> PlannedFile {
+fn modulus_log(looked: &Looked, seen: &Seen, samples: &Samples, none: &NoSurroundings) -> PlannedFile {
     let mut known = stated_beside(looked, seen);
     let mut beside = BTreeMap::new();
-    let name = sample_of_name(seen).filter(|_| !known.contains_key(keys::SAMPLE));
+    let name = sample_of_name(seen, none).filter(|_| !known.contains_key(keys::SAMPLE));
     if let Some(name) = name {
         beside.insert(keys::SAMPLE.to_owned(), samples.id_of(&name));
         known.insert(keys::SAMPLE.to_owned(), samples.id_of(&name));
@@ -252,20 +265,25 @@ fn modulus_log(looked: &Looked, seen: &Seen, samples: &Samples) -> PlannedFile {
     planned(seen, known, beside)
 }
 
-fn sample_of_name(seen: &Seen) -> Option<String> {
-    let said = tags_of_name(&tags::stem(Path::new(&seen.path)));
+fn sample_of_name(seen: &Seen, none: &NoSurroundings) -> Option<String> {
+    let said = tags_of_name(&tags::stem(Path::new(&seen.path)), none);
     let mut samples = said.into_iter().filter(|(key, _)| key == keys::SAMPLE);
     samples.next().map(|(_, name)| name)
 }
 
 /// What run sheets state of the run; where none does, what the name says, then the environment that a folder's name says.
-fn named(seen: &Seen, stem: &str, stated: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+fn named(
+    seen: &Seen,
+    stem: &str,
+    stated: &BTreeMap<String, String>,
+    none: &NoSurroundings,
+) -> BTreeMap<String, String> {
     if !stated.is_empty() {
         return stated.clone();
     }
-    let mut tags: BTreeMap<String, String> = tags_of_name(stem).into_iter().collect();
+    let mut tags: BTreeMap<String, String> = tags_of_name(stem, none).into_iter().collect();
     let folders = seen.path.rsplit('/').skip(1);
-    let environment = folders.filter_map(environment_of).next();
+    let environment = folders.filter_map(|name| none.environment_of(name)).next();
     if let Some(environment) = environment {
         let known = tags.entry(keys::ENVIRONMENT.to_owned());
         known.or_insert(environment);

@@ -2,7 +2,7 @@
 
 use jiff::civil::DateTime;
 
-use crate::formats::policy::GOING_BACK_SHARE;
+use crate::formats::policy::{DOUBT_BITS, GOING_BACK_SHARE};
 use crate::formats::stamp::{self, DateOrder};
 use ieap_numerics::robust::upper_median;
 
@@ -35,12 +35,12 @@ pub enum NoOrder {
     Several(Vec<DateOrder>),
 }
 
-/// Reads the dates of all rows under that one of `orders` in which the fewest steps go back.
+/// Reads the dates of all rows under that one of `orders` in which their steps are the most alike and go forward.
 ///
 /// # Errors
-/// No order fits, or two fit equally well.
+/// No order fits, or two fit about equally well.
 pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder> {
-    let mut best: Vec<(usize, DateOrder, Vec<DateTime>)> = Vec::new();
+    let mut read_as: Vec<(f64, DateOrder, Vec<DateTime>)> = Vec::new();
     let in_utc = texts.first().is_some_and(|text| with_offset(text).is_some());
     for &order in orders {
         let read = |text: &&str| match (in_utc, with_offset(text)) {
@@ -58,22 +58,39 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
         if back as f64 > (GOING_BACK_SHARE * read.len() as f64).max(1.0) {
             continue;
         }
-        match best.first().map(|(least, _, _)| back.cmp(least)) {
-            Some(std::cmp::Ordering::Greater) => {}
-            Some(std::cmp::Ordering::Equal) => best.push((back, order, read)),
-            _ => best = vec![(back, order, read)],
-        }
+        read_as.push((price(&read), order, read));
     }
-    match best.len() {
+    let least = read_as
+        .iter()
+        .map(|(price, ..)| *price)
+        .fold(f64::INFINITY, f64::min);
+    read_as.retain(|(price, ..)| *price < least + DOUBT_BITS);
+    match read_as.len() {
         0 => Err(NoOrder::Fits),
         1 => {
-            let (_, order, read) = best.remove(0);
+            let (_, order, read) = read_as.remove(0);
             Ok(elapsed(order, &read, in_utc))
         }
         _ => Err(NoOrder::Several(
-            best.into_iter().map(|(_, order, _)| order).collect(),
+            read_as.into_iter().map(|(_, order, _)| order).collect(),
         )),
     }
+}
+
+/// What the steps of rows tell against an order of their dates, in bits: the usual step costs nothing, any other as much as it
+/// differs from that, and one back ten more.
+fn price(read: &[DateTime]) -> f64 {
+    const BACK_BITS: f64 = 10.0;
+    let steps_s: Vec<f64> = (read.windows(2))
+        .map(|pair| pair[1].duration_since(pair[0]).as_secs_f64())
+        .collect();
+    let mut sizes: Vec<f64> = steps_s.iter().map(|step| step.abs()).collect();
+    let usual = upper_median(&mut sizes).unwrap_or(0.0).max(1.0);
+    let of_step = |step: &f64| {
+        let back = if *step < 0.0 { BACK_BITS } else { 0.0 };
+        (1.0 + (step - usual).abs() / usual).log2() + back
+    };
+    steps_s.iter().map(of_step).sum()
 }
 
 fn elapsed(order: DateOrder, read: &[DateTime], in_utc: bool) -> Moments {
@@ -172,17 +189,6 @@ pub fn offset_s(offset: &str) -> Option<i64> {
     let part = |text: &str| (text.len() == 2).then(|| text.parse::<i64>().ok()).flatten();
     let (hours, minutes) = (part(hours)?, part(minutes)?);
     (hours <= 18 && minutes < 60).then_some(sign * (3600 * hours + 60 * minutes))
-}
-
-/// `GMT-07:00`, `GMT +05:00` behind a column's name; `UTC` alone is no offset.
-pub fn offset_in(name: &str) -> Option<String> {
-    let (_, zone) = name.split_once("GMT").or_else(|| name.split_once("UTC"))?;
-    let zone = zone.trim_matches([' ', ')', ']']);
-    if zone.is_empty() {
-        return Some("+00:00".to_owned());
-    }
-    let is_offset = zone.len() == 6 && zone.starts_with(['+', '-']) && zone.as_bytes()[3] == b':';
-    is_offset.then(|| zone.to_owned())
 }
 
 #[cfg(test)]

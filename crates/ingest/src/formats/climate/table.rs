@@ -15,7 +15,7 @@ use crate::formats::{About, Format, ReadContext, ReadError, delimited};
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
 use crate::table::shape::Shape;
-use crate::table::{self, Question, Table, epoch, start, times};
+use crate::table::{self, Question, Table, epoch, start, times, zone};
 use crate::text::dictionary::{Role, SENSORS, SERIALS, VALUE_LABELS, is_among};
 use crate::text::header::{Header, Meaning};
 use crate::text::lines::lines_of;
@@ -36,7 +36,7 @@ impl Format for ClimateTable {
             id: "climate-table",
             title: "climate logger, any table with dates beside temperature, humidity, pressure, oxygen or water (CSV, TSV)",
             extensions: &["csv", "txt", "tsv", "dat"],
-            version: 6,
+            version: 7,
         }
     }
 
@@ -152,6 +152,13 @@ pub fn read_lines(
 ) -> Result<Reading, ReadError> {
     let mut tables = table::tables(lines, |_| false, context)?;
     issues.extend(tables[0].layout.between(lines));
+    if tables.len() > 1 {
+        // However long a logger rested, its dates go on.
+        let whole = table::joined(lines, &tables[0].layout, |_| false);
+        if table::dates_go_on(&whole, &tables, None) {
+            tables = vec![whole];
+        }
+    }
     let mut read = tables.remove(0);
     if !tables.is_empty() {
         let rows: usize = tables.iter().map(|table| table.cells.rows()).sum();
@@ -166,6 +173,9 @@ pub fn read_lines(
     let started_at = settled
         .started_at
         .or_else(|| start::stated(head().map(|line| line.text), context.date_order));
+    let timing = (settled.spent.iter().copied()).chain(time_of(&read));
+    let names = timing.map(|at| read.headers[at].raw_name.as_str());
+    let started_at = zone::complete(started_at, names, head().map(|line| line.text), &mut issues);
     let mut metadata = preamble(&lines[..names_at]);
     metadata.extend(stated_once(&read));
     let mut spent = settled.spent;
@@ -213,15 +223,16 @@ pub fn read_lines(
     })
 }
 
-/// Gives the columns their meaning. The first of each quantity is interpreted; the others keep their names and units, for the
-/// file does not say which sensor stands beside the sample.
+/// Gives the columns their meaning. Of each quantity the one with the plainest name is interpreted, of several the first by the
+/// alphabet, as campaigns ask them; the others keep their names and units, for the file does not say which sensor stands beside
+/// the sample.
 fn measured(
     read: &mut Table<'_>,
     spent: &[usize],
     context: &ReadContext,
     issues: &mut Vec<Issue>,
 ) -> Result<(), ReadError> {
-    let mut taken: Vec<Quantity> = Vec::new();
+    let mut taken: BTreeMap<Quantity, (String, usize, Meaning)> = BTreeMap::new();
     let mut told: Vec<String> = Vec::new();
     let time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
     let has_humidity = (read.headers.iter())
@@ -247,6 +258,7 @@ fn measured(
             quantity,
             mut conversion,
             unit_is_stated,
+            part,
             ..
         }) = found
         {
@@ -264,9 +276,9 @@ fn measured(
                 }
                 header.raw_unit = told_unit.0.to_owned();
             }
-            if !taken.contains(&quantity) {
-                taken.push(quantity);
-                header.meaning = Meaning::Known { quantity, conversion };
+            let meaning = Meaning::Known { quantity, conversion };
+            if taken.get(&quantity).is_none_or(|(plainest, ..)| part < *plainest) {
+                taken.insert(quantity, (part, index, meaning));
             }
         } else if matches!(role(&name), Role::Commanded | Role::Limit) && spoken_of(&name, &unit).is_some() {
             let message = format!(
@@ -284,6 +296,9 @@ fn measured(
         }
         read.headers[index] = header;
     }
+    for (_, index, meaning) in taken.into_values() {
+        read.headers[index].meaning = meaning;
+    }
     if !told.is_empty() {
         let message = format!(
             "units that the file does not name are told by the size of the readings: {}",
@@ -297,6 +312,12 @@ fn measured(
         );
     }
     Ok(())
+}
+
+/// The column that times the rows.
+fn time_of(read: &Table<'_>) -> Option<usize> {
+    let is_time = |header: &Header| header.meaning.quantity() == Some(Quantity::Time);
+    read.headers.iter().position(is_time)
 }
 
 /// Whether a name that is not known may be that of a climate quantity all the same.
