@@ -76,7 +76,7 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             after("; ", place)
         ),
         (Verdict::Law, _) => format!(
-            "The simulation misses {}{}.{}",
+            "The simulation misses {}.{}{}",
             causes(found, about),
             taken(found),
             proof(found, "it")
@@ -106,7 +106,7 @@ fn taken(found: &GroupDiagnosis) -> String {
     let part = found.account.map(|own| own.share(own.within_runs));
     let part = part.filter(|part| *part < ALL_OF_IT);
     part.map_or_else(String::new, |part| {
-        format!(", which takes {} % of the error", significant(part, 2))
+        format!(" That is {} % of the error.", significant(part, 2))
     })
 }
 

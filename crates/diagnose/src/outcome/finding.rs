@@ -9,7 +9,7 @@ use ieap_domain::{
 };
 
 use crate::cause::evidence::{Varying, by_voltage};
-use crate::cause::proof::held_out::{HeldOut, Part, nrmse};
+use crate::cause::proof::held_out::{HeldOut, Part};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
@@ -160,8 +160,8 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     /// Whether it is said of runs that are each right by themselves that they differ: of these nothing is wrong but that one set
-    /// of parameters is to describe them. A law that leaves more than chance is said instead where it predicts runs left out
-    /// better than lines of the parameters over the voltage do.
+    /// of parameters is to describe them. A law that leaves more than chance is said instead where it predicts runs left out that
+    /// others lie on both sides of better than lines of the parameters over the voltage do.
     fn rather_differs(&self, missing: &Found<'g>, by_voltage: Option<&HeldOut>) -> bool {
         if missing.varying.is_none() {
             return false;
@@ -169,11 +169,14 @@ impl<'g> FindingBuilder<'_, 'g> {
         let Some(lead) = missing.lead.as_ref().filter(|_| !missing.laws.is_empty()) else {
             return true;
         };
-        let error = |parts: &[Part]| -> f64 {
-            let each = (0..2).filter_map(|channel| nrmse(self.group, parts, channel));
-            each.map(|error| error * error).sum()
-        };
-        by_voltage.is_some_and(|found| error(&found.after) < error(&lead.held_out.after))
+        let beside = by_voltage.and_then(|lines| {
+            let both = HeldOut {
+                before: lines.after.clone(),
+                after: lead.held_out.after.clone(),
+            };
+            both.log_odds_between(self.group, Some("voltage_v"))
+        });
+        beside.is_some_and(|law_over_lines| law_over_lines < 0.0)
     }
 
     /// What differs, and what it is worth as laws of the voltage.

@@ -144,7 +144,13 @@ fn a_leak_far_below_the_first_peak_is_told_by_its_charge() {
         misfit.current.unwrap() < 1.0 && misfit.charge.unwrap() > 10.0,
         "{misfit:?}"
     );
-    assert_eq!(found.verdict, Verdict::Law, "{}", found.sentence);
+    assert_eq!(
+        found.verdict,
+        Verdict::Law,
+        "{} {:#?}",
+        found.sentence,
+        found.posterior
+    );
     assert_eq!(found.missing[0].place, "current");
     let leads = &found.posterior[0];
     let is_leak = leads.effect.as_deref() == Some("faradaic-leak");

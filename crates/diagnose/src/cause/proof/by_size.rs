@@ -1,9 +1,10 @@
 //! Whether a law predicts what it has not seen better, by the size of the error and beyond its doubt.
 //!
 //! No model is exact, and how large its error is, is not known before: of readings that were held out, the error of each channel
-//! of each run has a size of its own. The odds of two predictions are then the ratio of their mean squares, to the power of half
-//! the readings that tell by themselves; an error that goes on for long is few of these. Where the noise is all that is left, these
-//! are the odds of the likelihood.
+//! of each run has on each scale of time a size of its own, which is at least the noise. The odds of two predictions are then, scale
+//! by scale, the ratio of their mean squares to the power of half the readings that tell by themselves: an error that goes on for
+//! the whole run is one of these, and one that is below the noise of a reading still shows in the sum of all. Where the noise is
+//! all that is left, these are the odds of the likelihood.
 
 use ieap_numerics::sums::dot;
 
@@ -13,13 +14,11 @@ use crate::cause::policy::BESIDE_PART;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::{Block, RunGroup};
 
-/// Held-out readings of one channel of one run beside what was predicted of them, in units of the noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Held-out readings of one channel of one run beside what was predicted of them, in units of the noise, on each scale of time from
+/// neighbours to the whole run: how many tell by themselves, and the sum of their squares.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BlockError {
-    square: f64,
-    readings: f64,
-    /// Readings whose errors go together.
-    together: f64,
+    scales: Vec<(f64, f64)>,
 }
 
 impl BlockError {
@@ -38,31 +37,34 @@ impl BlockError {
             .map(|(_, v)| *v)
             .collect();
         let square = dot(&kept, &kept);
-        (square > 0.0 && square.is_finite()).then(|| BlockError {
-            square,
-            readings: kept.len() as f64,
-            together: together(&kept),
-        })
+        (square > 0.0 && square.is_finite()).then(|| BlockError { scales: scales(kept) })
     }
 
     /// Logarithm of the odds of this prediction over another one of the same readings.
     fn log_odds(&self, other: &BlockError) -> f64 {
-        let independent = self.readings / self.together.max(other.together);
-        0.5 * independent * (other.square / self.square).ln()
+        let pairs = self.scales.iter().zip(&other.scales);
+        let size = |(many, square): &(f64, f64)| (square / many).max(1.0);
+        pairs
+            .map(|(own, other)| 0.5 * own.0 * (size(other) / size(own)).ln())
+            .sum()
     }
 }
 
-/// How many neighbours err together, about a mean of none: the largest growth of the mean square of sums over that of as many
-/// independent errors.
-fn together(left: &[f64]) -> f64 {
-    let square = dot(left, left);
-    let mut sums = left.to_vec();
-    let mut most: f64 = 1.0;
-    while sums.len() > 1 {
-        sums = sums.chunks(2).map(|pair| pair.iter().sum()).collect();
-        most = most.max(dot(&sums, &sums) / square);
+/// How many coefficients there are on each scale of time, and the sum of their squares: differences of neighbours, of sums of
+/// neighbours, and so on, and the sum of all (Haar's wavelets, so that noise of one size has that size on every scale).
+fn scales(mut values: Vec<f64>) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
+    while values.len() > 1 {
+        let apart = values
+            .chunks_exact(2)
+            .map(|pair| 0.5 * (pair[0] - pair[1]).powi(2));
+        found.push(((values.len() / 2) as f64, apart.sum()));
+        // One without a neighbour stands for itself.
+        let together = |pair: &[f64]| pair.iter().sum::<f64>() / (pair.len() as f64).sqrt();
+        values = values.chunks(2).map(together).collect();
     }
-    most
+    found.extend(values.first().map(|whole| (1.0, whole * whole)));
+    found
 }
 
 /// Logarithm of the odds that what was held out is predicted better.
@@ -87,17 +89,21 @@ impl HeldOut {
         if group.runs.len() < 2 {
             return log_odds(&self.before, &self.after);
         }
+        self.log_odds_between(group, variable)
+            .unwrap_or_else(|| log_odds(&later_parts(before, group), &later_parts(after, group)))
+    }
+
+    /// The same on the drives alone that others lie on both sides of; none where there are none.
+    pub(crate) fn log_odds_between(&self, group: &RunGroup, variable: Option<&str>) -> Option<f64> {
         let between = between(group, variable);
-        if !between.contains(&true) {
-            return log_odds(&later_parts(before, group), &later_parts(after, group));
-        }
         let kept = |parts: &[Part]| -> Vec<Part> {
             let each = parts.iter().zip(&between);
             each.filter(|(_, is_between)| **is_between)
                 .map(|(part, _)| part.clone())
                 .collect()
         };
-        log_odds(&kept(&self.before), &kept(&self.after))
+        let is_any = between.contains(&true);
+        is_any.then(|| log_odds(&kept(&self.before), &kept(&self.after)))
     }
 }
 
@@ -119,30 +125,39 @@ fn between(group: &RunGroup, variable: Option<&str>) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
     use super::*;
 
-    fn error(square: f64, together: f64) -> BlockError {
-        BlockError {
-            square,
-            readings: 600.0,
-            together,
-        }
+    fn noise() -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        (0..512).map(|_| StandardNormal.sample(&mut random)).collect()
+    }
+
+    fn log_odds_of(before: impl Fn(f64) -> f64, after: impl Fn(f64) -> f64) -> f64 {
+        let error = |of: &dyn Fn(f64) -> f64| BlockError {
+            scales: scales(noise().into_iter().map(of).collect()),
+        };
+        error(&after).log_odds(&error(&before))
     }
 
     /// In noise alone the odds are those of the likelihood; of an error that goes on for the whole run one reading tells.
     #[test]
     fn a_gain_counts_by_the_readings_that_tell_by_themselves() {
-        let in_noise = error(600.0, 1.0).log_odds(&error(616.0, 1.0));
-        assert!((in_noise - 8.0).abs() < 0.2, "{in_noise}");
-        let slow = error(600.0, 1.0).log_odds(&error(60_000.0, 600.0));
-        assert!((slow - 0.5 * 100.0_f64.ln()).abs() < 1e-9, "{slow}");
-        assert!(error(616.0, 1.0).log_odds(&error(600.0, 1.0)) < 0.0);
+        let in_noise = log_odds_of(|v| 3.0 * 1.02 * v, |v| 3.0 * v);
+        assert!((in_noise - 512.0 * 1.02_f64.ln()).abs() < 0.2, "{in_noise}");
+        let for_all = log_odds_of(|_| 10.0, |_| 1.0);
+        assert!((for_all - 10.0_f64.ln()).abs() < 1e-9, "{for_all}");
+        assert!(log_odds_of(|_| 1.0, |_| 10.0) < 0.0);
     }
 
+    /// A third of the noise of one reading, throughout, is seven times that of their sum.
     #[test]
-    fn what_errs_together_is_counted_once() {
-        assert!((together(&[2.0; 64]) - 64.0).abs() < 1e-9);
-        let changing: Vec<f64> = (0..64).map(|k| f64::from(1 - 2 * (k % 2))).collect();
-        assert!((together(&changing) - 1.0).abs() < 1e-9);
+    fn an_offset_below_the_noise_of_a_reading_counts_as_one_that_is_seen() {
+        let found = log_odds_of(|v| v + 0.33, |v| v);
+        assert!(found > 1.0 && found < 3.0, "{found}");
+        assert!(log_odds_of(|v| v, |v| v).abs() < 1e-12);
     }
 }
