@@ -9,7 +9,7 @@ use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::least_squares::Minimum;
 
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
-use crate::cause::proof::by_size::BlockError;
+use crate::cause::proof::block_error::BlockError;
 use crate::cause::proof::doubt::Doubt;
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::{Fitted, HELD};
