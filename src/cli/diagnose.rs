@@ -94,6 +94,12 @@ fn diagnosed(
         .iter()
         .for_each(|group| print(group, document.draws, output));
     print_across(&document, output);
+    for aside in &document.set_aside {
+        output.message(&format!(
+            "{} takes no part: {}. {}",
+            aside.run, aside.reason, aside.mend
+        ));
+    }
     if args.adopt {
         all_made &= adopt(args, global, context, output)?;
     }

@@ -45,10 +45,10 @@ fn an_adopted_model_comes_back_with_a_rebuilding_and_findings_are_derived_again(
         let extended = fits.filter(|fit| fit["model"].as_str().unwrap().starts_with("lumped-2 + "));
         extended.count()
     };
-    assert_eq!(adopted_fits(), 3);
+    assert_eq!(adopted_fits(), 5);
 
     let (looked_at, errors) = derived_again(&folder, 0);
-    assert!(looked_at.contains("8 diagnoses"), "{looked_at}");
+    assert!(looked_at.contains("12 diagnoses"), "{looked_at}");
     assert_eq!(errors, Vec::<String>::new());
 
     let before = content(&folder);
@@ -59,7 +59,7 @@ fn an_adopted_model_comes_back_with_a_rebuilding_and_findings_are_derived_again(
         lacking.iter().all(|(part, _)| *part == "diagnosis"),
         "{lacking:?}"
     );
-    assert_eq!(adopted_fits(), 3);
+    assert_eq!(adopted_fits(), 5);
     folder.ieap(&["run"]).expect(0);
     same(&content(&folder), &before);
 

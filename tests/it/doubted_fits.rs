@@ -65,7 +65,7 @@ fn an_effect_hidden_in_one_of_four_equal_samples_is_told_beside_the_parameters()
     simulation += "[[effect]]\nid = \"faradaic-leak\"\nvariant = \"terminal\"\nruns = [\"S1_*\"]\n\
                    leak_current_a_per_cm2 = 2e-5\nonset_v = 1.2\nslope_v = 0.25\n";
     for sample in samples {
-        for voltage_v in [1.0, 1.6, 2.2] {
+        for voltage_v in [1.0, 1.3, 1.6, 1.9, 2.2] {
             let tags = format!("sample = \"{sample}\"");
             simulation += &run(&format!("{sample}_{voltage_v:.1}V"), voltage_v, 5600.0, &tags);
         }

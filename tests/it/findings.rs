@@ -26,7 +26,7 @@ length_mm = 5.0
 width_mm = 2.0
 "#;
 
-/// Three steps of each sample; electrolysis above 1.2 V in those of `leaky`.
+/// Five steps of each sample; electrolysis above 1.2 V in those of `leaky`.
 pub fn spec() -> String {
     let mut spec = String::from(
         r#"[simulation]
@@ -53,7 +53,7 @@ slope_v = 0.25
 "#,
     );
     for sample in ["leaky", "clean"] {
-        for voltage_v in ["1.0", "1.6", "2.2"] {
+        for voltage_v in ["1.0", "1.3", "1.6", "1.9", "2.2"] {
             spec += &format!(
                 r#"
 [[run]]
@@ -96,8 +96,8 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_right
     ieap(folder.path(), &["simulate", "simulation.toml"]).expect(0);
     let summary = folder.ieap(&["run", "--json"]).expect(0).json();
     assert_eq!(
-        summary["run"]["diagnose"]["diagnosed"], 8,
-        "two groups and six runs"
+        summary["run"]["diagnose"]["diagnosed"], 12,
+        "two groups and ten runs"
     );
 
     let document = folder.ieap(&["diagnose", "--json"]).expect(0).json();
@@ -130,7 +130,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_right
     let clean = group(&document, "sample=clean,environment=air");
     assert_eq!(clean["verdict"], "right", "{clean:#}");
     assert!(clean["effects"].as_array().unwrap().is_empty() && clean["gain"].is_null());
-    assert_eq!(document["runs"].as_array().unwrap().len(), 6);
+    assert_eq!(document["runs"].as_array().unwrap().len(), 10);
 
     let list = folder.report("findings.html");
     assert!(list.contains("The model is wrong in 1 of 2 groups"), "{list}");
@@ -148,7 +148,7 @@ fn a_hidden_leak_is_found_in_json_and_on_the_page_and_a_clean_sample_stays_right
 
     let again = folder.ieap(&["diagnose", "--json"]).expect(0);
     assert!(
-        again.stderr.contains("0 diagnosed, 8 up to date"),
+        again.stderr.contains("0 diagnosed, 12 up to date"),
         "{}",
         again.stderr
     );
@@ -279,7 +279,7 @@ fn an_adopted_model_is_fitted_to_its_group_and_says_how_wrong_the_base_was() {
         .collect();
     assert!(pages.iter().any(|page| page.contains("Adopted in campaign.toml")));
 
-    // Of three voltages the shape of the leak is not told: a free curve of it is adopted, which has R_ss in it. One who knows that
+    // Of so few voltages the shape of the leak is not told: a free curve of it is adopted, which has R_ss in it. One who knows that
     // it is faradaic says so.
     let line = file.lines().find(|line| line.starts_with("model = ")).unwrap();
     assert!(line.contains("leak"), "{file}");
@@ -362,7 +362,7 @@ fn a_model_with_an_effect_that_cannot_act_is_not_fitted_under_its_name() {
     );
     let with = fit("lumped-2 + camera-zero").json();
     let fits = with["fits"].as_array().unwrap();
-    assert_eq!(fits.len(), 6);
+    assert_eq!(fits.len(), 10);
     for fit in fits {
         assert_eq!(fit["converged"], true);
         assert!(

@@ -67,7 +67,6 @@ fn take_back(one: &mut GroupDiagnosis) {
     one.effects.clear();
     one.set.clear();
     one.missing.clear();
-    one.closest.clear();
     one.next_run = None;
     one.shifts.clear();
 }

@@ -78,6 +78,8 @@ struct Known {
     material: Option<String>,
     /// Environment, humidity in percent, nominal voltage in V.
     measured_in: Option<(String, Option<f64>, f64)>,
+    /// The laboratory's own tags: what a blank lacks is no unit.
+    stated: Vec<(String, String)>,
 }
 
 impl Known {
@@ -176,7 +178,20 @@ fn known(run: &RunRecord, campaign: &Campaign) -> Option<Known> {
         sample: run.tag(keys::SAMPLE).map(str::to_owned),
         material: material(run, campaign).map(str::to_owned),
         measured_in: measured_in(run),
+        stated: own_tags(run),
     })
+}
+
+/// The tags that a laboratory declares for itself: only it knows what they do to a strip.
+fn own_tags(run: &RunRecord) -> Vec<(String, String)> {
+    let is_known = |key: &str| {
+        let mut known = keys::CONDITIONS.iter().chain(&keys::OTHERS).chain(&keys::RECORD);
+        known.any(|known| *known == key)
+    };
+    let own = run.tags.iter().filter(|tag| !is_known(&tag.key));
+    let chosen = own.filter_map(|tag| Some((tag.key.clone(), run.tag(&tag.key)?.to_owned())));
+    let chosen: BTreeMap<String, String> = chosen.collect();
+    chosen.into_iter().collect()
 }
 
 fn measured_in(run: &RunRecord) -> Option<(String, Option<f64>, f64)> {
@@ -209,6 +224,8 @@ fn likeness(own: &Known, other: &Known) -> Likeness {
     match (known, far) {
         (0, _) => return Likeness::Other,
         (_, 0) => return Likeness::Alike,
+        // What differs by a tag that a laboratory declares may do so by any factor.
+        _ if own.stated != other.stated => return Likeness::Other,
         _ => {}
     }
     let moved: Vec<(f64, [i32; 3])> = moved.collect();

@@ -134,19 +134,9 @@ fn looked(
         return builder.without_cause();
     }
     let model = base.problem.model(&base.at);
-    // What is less than tolerated is asked nothing more; of what is more the readings are no surer than that.
     let plain = builder.of_size(misfit_percent(group, &base));
-    if plain.verdict != Verdict::Unexplained {
+    if plain.verdict == Verdict::DataProblem {
         return plain;
-    }
-    if let Some(tolerant) = group.with_tolerance(options.tolerance_percent, &model)
-        && let Some(base) = refit(&tolerant, &base)
-    {
-        let plain = builder.of_size(misfit_percent(&tolerant, &base));
-        return match plain.verdict {
-            Verdict::Unexplained => with_size_of(plain, looked(name, &tolerant, base, options, on_edges)),
-            _ => plain,
-        };
     }
     let missing = look(&input, &directions, options.model);
     let extended = missing.lead.as_ref().map(|lead| lead.model.clone());
@@ -165,50 +155,46 @@ fn looked(
             return found;
         }
     }
+    let may_be_noise = missing.may_be_noise;
     let found = builder.with_law(missing);
-    if found.verdict == Verdict::Instrument {
-        return beside_slow_noise(found, beside(group.with_slow_noise(&model)));
-    }
-    found
-}
-
-/// What is told of a misfit beside the error that is tolerated, and how large it is beside the noise alone: `plain`, which is
-/// unexplained.
-fn with_size_of(plain: GroupDiagnosis, found: GroupDiagnosis) -> GroupDiagnosis {
-    if matches!(found.verdict, Verdict::Right | Verdict::Undecided) {
-        return plain;
-    }
-    GroupDiagnosis {
-        p_misfit: plain.p_misfit,
-        misfit_percent: plain.misfit_percent,
-        visible_percent: plain.visible_percent,
-        whereabouts: plain.whereabouts,
-        noise: plain.noise,
-        scatter: plain.scatter,
-        ..found
+    // Slow noise that readings beside it refute is none, and what was found without it stands.
+    let slow = may_be_noise
+        .then(|| beside(group.with_slow_noise(&model)))
+        .flatten();
+    match slow.filter(|slow| !slow.verdict.is_misfit()) {
+        Some(slow) => of_slow_noise(found, slow),
+        None => by_size(plain, found),
     }
 }
 
-/// That the instrument's slow noise leaves the misfit, where beside it nothing more is left; else that nothing explains it.
-fn beside_slow_noise(found: GroupDiagnosis, slow: Option<GroupDiagnosis>) -> GroupDiagnosis {
-    let is_right = slow.as_ref().is_some_and(|slow| !slow.verdict.is_misfit());
+/// What is found, where more than is tolerated is left; else that the simulation is right, and what is known of the rest.
+fn by_size(plain: GroupDiagnosis, found: GroupDiagnosis) -> GroupDiagnosis {
+    match (plain.verdict, found.verdict) {
+        (Verdict::Right, Verdict::Law) => GroupDiagnosis {
+            account: found.account,
+            missing: found.missing,
+            posterior: found.posterior,
+            p_leftover: found.p_leftover,
+            ..plain
+        },
+        (Verdict::Right, _) => plain,
+        _ => found,
+    }
+}
+
+/// That the instrument's slow noise leaves the misfit: beside it nothing more is left.
+fn of_slow_noise(found: GroupDiagnosis, slow: GroupDiagnosis) -> GroupDiagnosis {
     let account = found.account.map(|own| Account {
         noise: own.noise,
         instrument: own.beyond_noise(),
         ..Account::default()
     });
-    match slow {
-        Some(slow) if is_right => GroupDiagnosis {
-            verdict: Verdict::Instrument,
-            p_misfit: found.p_misfit,
-            account,
-            posterior: found.posterior,
-            ..slow
-        },
-        _ => GroupDiagnosis {
-            verdict: Verdict::Unexplained,
-            ..found
-        },
+    GroupDiagnosis {
+        verdict: Verdict::Instrument,
+        p_misfit: found.p_misfit,
+        account,
+        posterior: found.posterior,
+        ..slow
     }
 }
 

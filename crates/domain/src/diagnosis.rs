@@ -336,7 +336,6 @@ impl GroupDiagnosis {
             tolerance_percent: TOLERANCE_PERCENT,
             account: None,
             missing: Vec::new(),
-            closest: Vec::new(),
             gain: None,
             whereabouts: None,
             next_run: None,
@@ -438,10 +437,6 @@ pub struct GroupDiagnosis {
     /// Laws that are missing, the first first.
     #[serde(default)]
     pub missing: Vec<MissingLaw>,
-    /// Of a group that is not explained: the laws that come closest so far, which are sure beside the others that were asked and
-    /// leave more than chance does. Nothing is claimed of them.
-    #[serde(default)]
-    pub closest: Vec<MissingLaw>,
     /// Gain of the extended model.
     pub gain: Option<Gain>,
     /// Where the base model is wrong.

@@ -20,6 +20,8 @@ pub type About<'a> = dyn Fn(&str) -> Option<&'a str> + 'a;
 
 /// Explanations at most that are told where none is sure. Chosen.
 const MOST_EXPLANATIONS: usize = 4;
+/// Part of the error, percent, from which on a law takes all of it: less is not worth a number. Chosen.
+const ALL_OF_IT: f64 = 98.0;
 /// Parameters that differ which are told by name at most. Chosen.
 const MOST_DIFFERING: usize = 3;
 /// Least probability of an explanation that is told where none is sure. Chosen.
@@ -54,7 +56,7 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
     let visible = visible(found.visible_percent);
     Some(match (found.verdict, p) {
         (Verdict::DataProblem, _) | (Verdict::Right | Verdict::Undecided, None) => return None,
-        (Verdict::Right, Some(p)) if p < WRONG_BELOW => right_to(found),
+        (Verdict::Right, Some(p)) if p < WRONG_BELOW => right_to(found, about),
         (Verdict::Right, _) => format!(
             "The simulation is right to within the noise{} ({chance}){}.",
             beside_scatter(found),
@@ -74,8 +76,9 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             after("; ", place)
         ),
         (Verdict::Law, _) => format!(
-            "The simulation misses {}.{}",
+            "The simulation misses {}.{}{}",
             causes(found, about),
+            taken(found),
             proof(found, "it")
         ),
         (Verdict::Instrument, _) => format!(
@@ -85,38 +88,36 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
             ))
         ),
         (Verdict::Unexplained, _) => format!(
-            "The simulation is wrong{}{}, {}{}",
+            "The simulation is wrong{}{}, and what it misses cannot be told.{}{}",
             after(" by ", &size(found.misfit_percent)),
             match place {
                 "" => String::new(),
                 place => format!(" ({place})"),
             },
-            match found.closest.as_slice() {
-                [] => format!("and what it misses cannot be told.{}", likeliest(found, about)),
-                closest => format!(
-                    "and no law that was asked explains all of it. Closest so far is {}{}.",
-                    in_a_row(&closest.iter().map(|law| cause(law, about)).collect::<Vec<_>>()),
-                    taken(found)
-                ),
-            },
+            likeliest(found, about),
             proof(found, "what was tried")
         ),
         (Verdict::Differs, _) => varying::sentence(found),
     })
 }
 
-/// What the laws that come closest take of the error.
+/// What the laws take of the error, where they leave some of it.
 fn taken(found: &GroupDiagnosis) -> String {
     let part = found.account.map(|own| own.share(own.within_runs));
+    let part = part.filter(|part| *part < ALL_OF_IT);
     part.map_or_else(String::new, |part| {
-        format!(", which takes {} % of the error", significant(part, 2))
+        format!(" That is {} % of the error.", significant(part, 2))
     })
 }
 
 /// Right, by its size and not by chance.
-fn right_to(found: &GroupDiagnosis) -> String {
+fn right_to(found: &GroupDiagnosis, about: &About) -> String {
+    let left = match causes(found, about).as_str() {
+        "" => String::new(),
+        causes => format!(" What it misses is {causes}."),
+    };
     format!(
-        "The simulation is right to {}: less than the {} % that this campaign tolerates.",
+        "The simulation is right to {}: less than the {} % that this campaign tolerates.{left}",
         size(found.misfit_percent),
         significant(found.tolerance_percent, 2)
     )
@@ -274,10 +275,9 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
         let what = format!("held-out {}", gain.parts_word(found.runs.len()));
-        // Of runs that differ, and of a law that only comes close, what is predicted stands in the table below.
+        // Of runs that differ what is predicted stands in the table below.
         let predictions = match found.verdict {
             Verdict::Differs => &[],
-            _ if !found.closest.is_empty() => &[],
             _ => gain.predictions.as_slice(),
         };
         format!(" {}", gain_words(with, &what, &gain.proof, predictions))

@@ -61,10 +61,11 @@ pub struct HeldOutGain {
     pub nrmse_curvature_before: Option<f64>,
     /// The same by the extended model.
     pub nrmse_curvature_after: Option<f64>,
-    /// Share of the held-out readings within the 95 % interval of the noise about the base model's prediction.
+    /// Share of the held-out readings within the 95 % interval of the base model's prediction: by their noise, its parameters
+    /// and the error that it leaves of what it was fitted to.
     #[serde(default)]
     pub coverage_before: Option<f64>,
-    /// The same about the extended model's.
+    /// The same of the extended model's.
     #[serde(default)]
     pub coverage_after: Option<f64>,
 }

@@ -82,7 +82,7 @@ def false_of(law, truth):
 def judge(truth, found):
     """Right, wrong or rest, and why."""
     verdict, hidden, told = found["verdict"], truth["hidden"], found["missing"]
-    if verdict == "law":
+    if told:
         false = [w for w in (false_of(law, truth) for law in told) if w]
         depth = "name" if told[0]["name"] else "law" if told[0]["law"] else "place"
         return ("wrong", false[0]) if false else ("right", depth)
@@ -101,7 +101,7 @@ def judge(truth, found):
 def words(found):
     if found["verdict"] == "differs":
         return "differs: " + ", ".join(f"{d['key']} with {d['with']}" for d in found["differs"])
-    if found["verdict"] != "law":
+    if not found["missing"]:
         likeliest = [f"{p['effect'] or p['kind']} {p['mass']:.2f}" for p in found["posterior"][:1]]
         return ", likeliest ".join([found["verdict"], *likeliest])
     return " + ".join(" ".join(filter(None, [
@@ -138,7 +138,7 @@ def main():
             print(f"{seed} | {hidden} | {answer} | {judged[0]} ({judged[1]}) | {seconds:.0f} s", flush=True)
             total["nothing" if hidden == "nothing" else "a law", *judged] += 1
             spent.append(seconds)
-            if found and found["verdict"] == "law":
+            if found and found["missing"]:
                 stated.append((found["missing"][0]["probability"], judged[0] == "right"))
             keep.write(json.dumps({"truth": truth, "found": found, "judged": judged}) + "\n")
     for hidden in ("a law", "nothing"):

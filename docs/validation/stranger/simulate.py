@@ -244,7 +244,7 @@ def write(folder, groups):
     folder = Path(folder)
     (folder / "runs").mkdir(parents=True, exist_ok=True)
     text = ['[campaign]', 'id = "stranger"', 'title = "Simulated strips"', 'timezone = "UTC"',
-            'tolerance_percent = 0.0', '[runs]', 'folder = "runs"',
+            '[runs]', 'folder = "runs"',
             'name_pattern = "{sample}_{environment}_{voltage_v}V_{cycle}"']
     for runs, truth in groups:
         sample = f"S{truth['seed']}"

@@ -20,7 +20,7 @@ use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::online::OnlineDecision;
 use crate::analysis::study::{Study, sentence};
 use crate::domain::{EffectFinding, Fault, GroupDiagnosis, Verdict};
-use crate::pipeline::campaign::standing::{self, Runs};
+use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::findings::next_runs::{self, PlannedIds, PlannedRun};
@@ -46,6 +46,8 @@ pub struct DiagnosisDocument {
     pub runs: Vec<RunEntry>,
     /// Every group, by name.
     pub groups: Vec<GroupEntry>,
+    /// Runs that take no part, with the reason.
+    pub set_aside: Vec<SetAside>,
     /// Causes that several samples of a material share.
     pub campaign_effects: Vec<SharedEffectEntry>,
     /// Groups whose fits are in doubt, and what that does to the questions across runs.
@@ -179,7 +181,10 @@ pub fn diagnosis_document(
         findings.runs.retain(|found| members.contains(&found.group));
     }
     let ids = PlannedIds::of(context, &all)?;
-    let runs = Runs::of(all).speaking;
+    let Runs {
+        speaking: runs,
+        set_aside,
+    } = Runs::of(all);
     let (mut faults, kept) = (Vec::new(), Cache::default());
     let curves = step("curves after the steps", || {
         curves_after_steps(context, &runs, &kept)
@@ -227,6 +232,7 @@ pub fn diagnosis_document(
             .into_iter()
             .map(|found| group_entry(found, &told))
             .collect(),
+        set_aside: set_aside.iter().map(SetAside::of).collect(),
         campaign_effects,
         campaign_doubted: doubted::entries(&told_of_doubts),
         campaign_next_runs: plan,

@@ -26,7 +26,6 @@ pub fn lines(group: &GroupEntry, draws: usize) -> Vec<String> {
             .map(|own| format!("    of the error beyond noise: {}", account_words(own))),
     );
     lines.extend(group.missing.iter().map(|law| of_law("missing", law)));
-    lines.extend(group.closest.iter().map(|law| of_law("closest so far", law)));
     lines.extend(group.gain.iter().map(|gain| of_gain(gain, group.verdict)));
     lines.extend(group.next_run.iter().map(|next| {
         format!(

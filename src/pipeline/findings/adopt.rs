@@ -72,9 +72,10 @@ impl Adopt {
     }
 }
 
-/// The model that a finding asks for: its base with the accepted effects, of a set the one that was fitted.
+/// The model that a finding asks for: its base with the laws that are told. Of a place alone no law is told, and none is adopted.
 fn wanted(found: &GroupDiagnosis) -> Option<Adopted> {
-    let is_extended = found.verdict == Verdict::Law && !found.effects.is_empty();
+    let are_told = found.missing.iter().all(|law| law.law.is_some());
+    let is_extended = found.verdict == Verdict::Law && are_told && !found.effects.is_empty();
     is_extended.then(|| Adopted {
         group: found.group.clone(),
         model: found

@@ -76,26 +76,26 @@ fn a_tantalum_capacitor_is_given_no_name() {
     assert!(words(&group["set"]).is_empty(), "{group:#}");
 }
 
-/// Twelve steps about an onset: no law of the library leaves no more than chance, and a leak above an onset comes closest.
+/// Twelve steps about an onset: a leak above an onset is told, though it leaves more than chance.
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
-fn electrolysis_comes_close_to_a_leak_and_another_date_is_set_apart() {
+fn electrolysis_is_a_leak_and_another_date_is_set_apart() {
     let Some(document) = found("electrolysis-onset", |_| true) else {
         return;
     };
     let group = of(&document, "groups", "sample=cell-1,environment=air");
-    // A current above an onset, by no curve of the list to the last nA: the textbook's own comes closest.
-    assert_eq!(group["verdict"], "unexplained", "{group:#}");
-    let closest = &group["closest"][0];
+    // A current above an onset, by no curve of the list to the last nA.
+    assert_eq!(group["verdict"], "law", "{group:#}");
+    let told = &group["missing"][0];
     assert_eq!(
-        (&closest["law"], &closest["variable"]),
+        (&told["law"], &told["variable"]),
         (&"leak".into(), &"voltage_v".into()),
-        "{closest:#}"
+        "{told:#}"
     );
-    let error = |of: &str| closest["held_out"][of].as_f64().unwrap();
+    let error = |of: &str| told["held_out"][of].as_f64().unwrap();
     assert!(
         error("error_percent_after") < 0.2 * error("error_percent_before"),
-        "{closest:#}"
+        "{told:#}"
     );
     let remarks = words(&group["remarks"]);
     assert!(

@@ -1,7 +1,7 @@
 //! Tests of runs that were read in another unit.
 
 use super::*;
-use ieap_domain::testing::{campaign, fit, known as estimate, run};
+use ieap_domain::testing::{campaign, fit, known as estimate, run, tag};
 use ieap_domain::{ChannelSummary, Quantity, RunWord, Standing};
 
 /// A run whose numbers are these times what they should be: current, bending, time.
@@ -98,6 +98,26 @@ fn what_strips_differ_by_is_no_unit() {
         read_as("c", "CNaf-01", 2.0, [1.0; 3]),
     ];
     assert_eq!(condemned(&runs), []);
+}
+
+/// A blank among runs with salt carries a thousandth of their current, whether one run or several had each amount of it.
+#[test]
+fn what_a_declared_tag_tells_apart_is_no_unit() {
+    let with = |name: &str, off: f64, salt: &str| {
+        let mut made = read_as(name, "CNaf-01", 2.0, [off, 1.0, 1.0]);
+        made.tags.push(tag("salt_mm", salt));
+        made
+    };
+    let runs = |blank: &str| {
+        [
+            with("a", 1.0, "5"),
+            with("b", 1e-3, blank),
+            with("c", 1.1, "5"),
+            with("d", 2.0, "10"),
+        ]
+    };
+    assert_eq!(condemned(&runs("0")), []);
+    assert_eq!(condemned(&runs("5")).len(), 1);
 }
 
 #[test]

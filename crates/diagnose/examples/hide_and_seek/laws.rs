@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use ieap_domain::{GroupDiagnosis, MissingLaw};
-use ieap_model::effects::place_of;
 use ieap_model::effects::{About, Applied, Effect, EffectParameter, Limits, Scale, Search, Site};
+use ieap_model::effects::{place_of, place_of_form};
 use ieap_model::extended::{Coefficients, Law, Now, Responses, RunContext, System};
 use rand::RngExt;
 
@@ -32,8 +32,6 @@ pub struct Count {
     /// By name, by law and variable (or mechanism), by place, each right and wrong.
     pub right: [usize; 3],
     pub wrong: [usize; 3],
-    /// Of what comes closest so far and is not told: right, wrong.
-    pub closest: [usize; 2],
     pub verdicts: BTreeMap<&'static str, usize>,
     seconds: f64,
     pub low: usize,
@@ -53,16 +51,13 @@ impl Count {
             };
             sum[depth(told)] += 1;
         }
-        for close in &found.closest {
-            self.closest[usize::from(!is_right(close, truth, name))] += 1;
-        }
     }
 
     /// The row of a table.
     pub fn row(&self, name: &str) -> String {
         let verdicts: Vec<String> = self.verdicts.iter().map(|(k, n)| format!("{k} {n}")).collect();
         format!(
-            "{name:34} n {:4} p<.05 {:4} | right name {:3} law {:3} place {:3} | wrong name {:3} law {:3} place {:3} | closest right {} wrong {} | {} | {:.2} s",
+            "{name:34} n {:4} p<.05 {:4} | right name {:3} law {:3} place {:3} | wrong name {:3} law {:3} place {:3} | {} | {:.2} s",
             self.groups,
             self.low,
             self.right[0],
@@ -71,8 +66,6 @@ impl Count {
             self.wrong[0],
             self.wrong[1],
             self.wrong[2],
-            self.closest[0],
-            self.closest[1],
             verdicts.join(", "),
             self.seconds / self.groups.max(1) as f64
         )
@@ -142,7 +135,7 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
                 let mut case = case(first + 1000 * at as u64 + k, Plan::default());
                 let with = Cause::Form(forms[at]).hidden(&mut case, d)?;
                 let id = forms[at].about().id;
-                Some((id, looked(&mut case, &with, id)))
+                Some((id, truth_of(id, 0), looked(&mut case, &with, id)))
             });
             println!("{}", told_of(found).row(&format!("foreign, d {d}")));
         }
@@ -183,7 +176,7 @@ pub fn own(first: u64, count: u64, d: f64, only: &[&str]) -> Count {
         let (applied, _) = hidden(&mut case, effect, d)?;
         let with = true_responses(&case, std::slice::from_ref(&applied))?;
         let id = effect.about().id;
-        Some((id, looked(&mut case, &with, id)))
+        Some((id, truth_of(id, applied.variant), looked(&mut case, &with, id)))
     });
     told_of(found)
 }
@@ -222,13 +215,18 @@ fn pairs(first: u64, count: u64, d: f64) -> Count {
         };
         let both = [of(Site::Current)?.0, of(Site::Bending)?.0];
         let with = true_responses(&case, &both)?;
-        let ids = [both[0].effect.about().id, both[1].effect.about().id];
-        Some((ids, looked(&mut case, &with, &ids.join(" + "))))
+        let ids = both.each_ref().map(|own| own.effect.about().id);
+        let truths = both.each_ref().map(|own| {
+            (
+                own.effect.about().id,
+                truth_of(own.effect.about().id, own.variant),
+            )
+        });
+        Some((truths, looked(&mut case, &with, &ids.join(" + "))))
     });
     let mut sum = Count::default();
-    for (ids, (mut looked, seconds)) in found {
+    for (truths, (mut looked, seconds)) in found {
         let mut told = std::mem::take(&mut looked.missing);
-        let truths = ids.map(|id| (id, truth_of(id)));
         sum.add(&looked, Truth::Nothing, None, seconds);
         for law in told.drain(..) {
             let right = truths.iter().any(|(id, truth)| is_right(&law, *truth, Some(id)));
@@ -239,8 +237,8 @@ fn pairs(first: u64, count: u64, d: f64) -> Count {
     sum
 }
 
-fn truth_of(id: &str) -> Truth {
-    place_of(id).map_or(Truth::Nothing, |place| {
+fn truth_of(id: &str, variant: usize) -> Truth {
+    place_of_form(id, variant).map_or(Truth::Nothing, |place| {
         Truth::Law(place.site, place.law, place.variable)
     })
 }
@@ -260,10 +258,10 @@ fn strange(id: &str) -> Truth {
     }
 }
 
-fn told_of(found: Vec<(&'static str, (GroupDiagnosis, f64))>) -> Count {
+fn told_of(found: Vec<(&'static str, Truth, (GroupDiagnosis, f64))>) -> Count {
     let mut sum = Count::default();
-    for (id, (looked, seconds)) in found {
-        sum.add(&looked, truth_of(id), Some(id), seconds);
+    for (id, truth, (looked, seconds)) in found {
+        sum.add(&looked, truth, Some(id), seconds);
     }
     sum
 }

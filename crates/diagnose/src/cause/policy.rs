@@ -24,6 +24,9 @@ pub(crate) const PRICE: f64 = 3.0;
 /// Candidates this close to the best explain the readings as well, sum of squares: a likelihood ratio of 20 to 1.
 pub(crate) const AS_GOOD: f64 = 6.0;
 
+/// Voltages and lengths of runs this near, in parts, are the same. Chosen.
+pub(super) const BESIDE_PART: f64 = 0.02;
+
 /// Part of a run's time that is earlier, and predicts the later. Chosen.
 pub(super) const EARLIER_PART: f64 = 0.6;
 /// What of a single run is held out beside its later time, in parts of the logarithm of its time: what happens after a step

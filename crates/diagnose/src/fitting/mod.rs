@@ -10,7 +10,7 @@ pub(crate) mod ends;
 pub(crate) mod fitted;
 pub(crate) mod modes;
 pub(crate) mod own_limits;
-mod policy;
+pub(crate) mod policy;
 pub(crate) mod problem;
 pub(crate) mod profile;
 pub(crate) mod scale;

@@ -17,6 +17,6 @@ pub(super) const RISE_95: f64 = CHI_SQUARE_95[0];
 /// Chosen.
 pub(super) const RISE_OF_NO_INTERVAL: f64 = 10.0;
 /// Half width of the 95 % interval of a logarithm beyond which no value is given: a factor of ten to either side. Chosen.
-pub(super) const WIDEST_HALF_LOG: f64 = 2.3;
+pub(crate) const WIDEST_HALF_LOG: f64 = 2.3;
 /// The same where a profile tells the ends: the upper over the lower. Chosen.
 pub(super) const WIDEST_FACTOR: f64 = 100.0;

@@ -3,8 +3,8 @@
 use ieap_domain::MisfitPercent;
 
 use crate::fitting::fitted::Fitted;
+use crate::readings::charges::{most_charge, passed};
 use crate::readings::group::RunGroup;
-use crate::readings::tolerance::{most_charge, passed};
 
 /// Of the base model: of current and curvature the root mean square beyond noise in the largest range of all runs, of the charge
 /// the largest error at the end of a run in the largest charge of all.

@@ -1,5 +1,6 @@
 //! What every weight of every law adds to the readings, to first order.
 
+use ieap_domain::range_of;
 use ieap_model::effects::smooth_laws::{SMOOTH_LAWS, SmoothLaw, WEIGHTS};
 use ieap_model::effects::{Applied, Effect, Limits, Scale};
 use ieap_model::extended::ExtendedModel;
@@ -33,7 +34,8 @@ impl LawColumns {
     }
 }
 
-/// The columns of all laws beside a model, but for those that it has.
+/// The columns of all laws beside a model, but for those that it has. Laws that are one function on the group's drives are one:
+/// under voltages of one sign, of the voltage and of its size.
 pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<LawColumns> {
     let has = |law: &SmoothLaw| {
         problem
@@ -41,7 +43,11 @@ pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> V
             .iter()
             .any(|own| own.effect.about().id == law.about().id)
     };
-    let laws: Vec<&'static SmoothLaw> = SMOOTH_LAWS.iter().copied().filter(|law| !has(law)).collect();
+    let levels = problem.group.runs.iter().flat_map(|run| run.drive().levels());
+    let (low, high) = range_of(levels.filter_map(|(_, volts)| volts));
+    let is_one = |law: &SmoothLaw| low * high >= 0.0 && law.is_by_size_among(&SMOOTH_LAWS);
+    let all = SMOOTH_LAWS.iter().copied();
+    let laws: Vec<&'static SmoothLaw> = all.filter(|law| !has(law) && !is_one(law)).collect();
     columns_of(&laws, problem, at, scale)
 }
 

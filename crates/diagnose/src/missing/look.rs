@@ -9,7 +9,7 @@ use ieap_model::effects::smooth_laws::Place;
 use super::account::account;
 use super::columns::{LawColumns, columns};
 use super::drawn::drawn;
-use super::policy::{MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
+use super::policy::{CLEAR_GAIN, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
 use super::posterior::{differing, posterior};
 use super::told::{Told, told};
 use super::weighed::{Asked, Says, Weighed};
@@ -23,9 +23,9 @@ use crate::misfit::signature::{Direction, directions};
 
 /// What is found of a misfit.
 pub(crate) struct Found<'g> {
-    /// `Law`, `Differs`, `Instrument` or `Unexplained`.
+    /// `Law`, `Differs` or `Unexplained`.
     pub(crate) verdict: Verdict,
-    /// The laws that are told; of what is unexplained, those that come closest.
+    /// The laws that are told.
     pub(crate) laws: Vec<MissingLaw>,
     /// The base with these laws, or with what was tried; none where nothing could be fitted.
     pub(crate) lead: Option<Lead<'g>>,
@@ -33,6 +33,8 @@ pub(crate) struct Found<'g> {
     /// What may be behind the misfit beside the base, the most probable first.
     pub(crate) posterior: Vec<Hypothesis>,
     pub(crate) varying: Option<Varying>,
+    /// Whether slow noise, if it were asked as a rival, would be sure: that is for the readings beside it to refute.
+    pub(crate) may_be_noise: bool,
     /// Explanations beside the base that are not ruled out, in few words; of one that is sure none.
     pub(crate) rivals: Vec<(String, Fitted<'g>)>,
 }
@@ -61,32 +63,37 @@ pub(crate) fn look<'g>(
     for _ in 0..MOST_LAWS {
         let round = later.as_ref().unwrap_or(&first);
         let before = lead.as_ref().map_or(&by_base, |lead| &lead.held_out.after);
-        let Some(next) = round.leading() else { break };
         let is_sure = round.told.site.is_some();
         if !is_sure && lead.is_some() {
             break;
         }
-        let held_out = HeldOut {
-            before: before.clone(),
-            after: parts(&next.model, input.group),
+        let current = lead.as_ref().map_or(base, |lead| &lead.model);
+        let Some(Predicting {
+            model: next,
+            held_out,
+            log_odds,
+        }) = round.predicting(input, current, before)
+        else {
+            break;
         };
-        // A further law must predict better what it has not seen, beside the laws before it.
-        if lead.is_some() && !held_out.errors_fall(input.group) {
+        // A law must predict better what it has not seen, beside the laws before it.
+        let is_told = is_sure && log_odds >= CLEAR_GAIN;
+        if !is_told && lead.is_some() {
             break;
         }
         let after = held_out.after.clone();
-        if is_sure {
+        if is_told {
             laws.push(round.described(input, &next, &held_out));
         }
-        let p_leftover = is_sure.then(|| input.p_of(&next.model));
-        let is_more = left_part(base, &next.model) >= NEXT_FROM_PART;
+        let p_leftover = is_told.then(|| input.p_of(&next));
+        let is_more = left_part(base, &next) >= NEXT_FROM_PART;
         lead = Some(Lead {
             p_leftover,
             held_out: HeldOut {
                 before: by_base.clone(),
                 after,
             },
-            model: next.model,
+            model: next,
         });
         if !(is_more && p_leftover.is_some_and(|p| p < RIGHT_FROM)) {
             break;
@@ -98,16 +105,13 @@ pub(crate) fn look<'g>(
         });
     }
     let own = first.weighed.varying.as_ref().map(Varying::own_square);
-    let mass = |says: Says| first.mass(|own| own == says);
-    let p_leftover = lead.as_ref().and_then(|lead| lead.p_leftover);
     let verdict = match () {
-        () if mass(Says::SlowNoise) >= SURE => Verdict::Instrument,
-        () if mass(Says::Differ) >= SURE => Verdict::Differs,
-        () if p_leftover.is_some_and(|p| p >= RIGHT_FROM) => Verdict::Law,
-        () => Verdict::Unexplained,
+        () if first.mass(|own| own == Says::Differ) >= SURE => Verdict::Differs,
+        () if laws.is_empty() => Verdict::Unexplained,
+        () => Verdict::Law,
     };
     let told_model = lead.as_ref().map(|lead| &lead.model).filter(|_| !laws.is_empty());
-    let is_of_laws = matches!(verdict, Verdict::Law | Verdict::Unexplained);
+    let is_of_laws = verdict == Verdict::Law;
     let account = account(input.group, base, told_model.filter(|_| is_of_laws), own);
     if !is_of_laws {
         laws.clear();
@@ -118,19 +122,10 @@ pub(crate) fn look<'g>(
         lead,
         account,
         posterior: posterior(&first.weighed, &first.masses, &first.columns, base),
+        may_be_noise: first.weighed.slow_noise >= SURE,
         rivals: first.rivals(),
         varying: first.weighed.varying,
     }
-}
-
-/// Probabilities among what explains anything: of two laws each leaves what the other makes, and what has no name explains both.
-fn among_explanations(weighed: &Weighed, masses: &[f64]) -> Vec<f64> {
-    let each = weighed.all.iter().zip(masses);
-    let own: Vec<f64> = each
-        .map(|(own, mass)| if own.says == Says::Unnamed { 0.0 } else { *mass })
-        .collect();
-    let whole: f64 = own.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    own.into_iter().map(|mass| mass / whole).collect()
 }
 
 /// Part of what the base leaves beyond noise that a model leaves.
@@ -140,19 +135,19 @@ fn left_part(base: &Fitted, model: &Fitted) -> f64 {
     beyond(model) / beyond(base).max(f64::MIN_POSITIVE)
 }
 
+/// A model with what it predicts of what it has not seen.
+struct Predicting<'g> {
+    model: Fitted<'g>,
+    held_out: HeldOut,
+    log_odds: f64,
+}
+
 /// Everything weighed beside a model.
 struct Round<'g> {
     columns: Vec<LawColumns>,
     weighed: Weighed<'g>,
     masses: Vec<f64>,
     told: Told,
-}
-
-/// What leads of a round.
-struct Leading<'g> {
-    model: Fitted<'g>,
-    /// The law at its place as a curve, where one was fitted.
-    curve: Option<Fitted<'g>>,
 }
 
 impl<'g> Round<'g> {
@@ -175,13 +170,12 @@ impl<'g> Round<'g> {
         }
         .weigh();
         let masses = weighed.masses();
-        let among = among_explanations(&weighed, &masses);
-        let each = weighed.all.iter().zip(&among);
+        let each = weighed.all.iter().zip(&masses);
         let mass = each
             .filter(|(own, _)| own.says == Says::Differ)
             .map(|(_, mass)| mass)
             .sum();
-        let told = told(&weighed, &among, &differing(&weighed, mass, current));
+        let told = told(&weighed, &masses, &differing(&weighed, mass, current));
         Round {
             columns,
             weighed,
@@ -204,9 +198,33 @@ impl<'g> Round<'g> {
         order
     }
 
-    /// The model of what is told: of a law the most probable one, an equation within the band or its curve; of a place the curve
-    /// that explains most there, of nothing what is most probable.
-    fn leading(&self) -> Option<Leading<'g>> {
+    /// The model of what is told, which is drawn, held out, adopted and predicted with: the curve that explains most there or what is
+    /// most probable, whichever predicts better what it has not seen.
+    fn predicting(
+        &self,
+        input: &SelectionInput<'_, 'g>,
+        current: &Fitted<'g>,
+        before: &[Part],
+    ) -> Option<Predicting<'g>> {
+        let variable = self.told.place.map(|place| place.variable);
+        let of = |model: Fitted<'g>| {
+            let held_out = HeldOut {
+                before: before.to_vec(),
+                after: parts(&model, input.group),
+            };
+            Predicting {
+                log_odds: held_out.log_odds(input.group, variable, current, &model),
+                held_out,
+                model,
+            }
+        };
+        let all = self.leading().into_iter().map(of);
+        all.max_by(|a, b| a.log_odds.total_cmp(&b.log_odds))
+    }
+
+    /// The models of what is told: of a law what is most probable there (a curve, or an equation that lies under it) and, unless a
+    /// name is sure, the curve that explains most; of a place such a curve; of nothing what is most probable.
+    fn leading(&self) -> Vec<Fitted<'g>> {
         let is_at = |k: &usize| {
             let place = self.weighed.all[*k].place;
             place.is_some_and(|own| match (self.told.place, self.told.site) {
@@ -216,31 +234,29 @@ impl<'g> Round<'g> {
             })
         };
         let fitted = self.fitted();
-        let model = |k: usize| self.weighed.all[k].fitted.clone();
-        let is_curve = |k: &usize| matches!(self.weighed.all[*k].says, Says::Curve(_));
+        let says = |k: &usize| self.weighed.all[*k].says;
         let fall = |k: &usize| self.weighed.all[*k].fall;
-        let curve = fitted
-            .iter()
-            .copied()
-            .filter(|k| is_curve(k) && is_at(k))
-            .max_by(|a, b| fall(a).total_cmp(&fall(b)));
-        let is_told = |k: &usize| match self.weighed.all[*k].says {
-            Says::Equation(id) => self.told.names.contains(&id),
-            _ => true,
+        let at_place = || fitted.iter().copied().filter(is_at);
+        let curves = at_place().filter(|k| self.told.name.is_none() && matches!(says(k), Says::Curve(_)));
+        let curve = curves.max_by(|a, b| fall(a).total_cmp(&fall(b)));
+        let is_told = |k: &usize| match (says(k), self.told.name) {
+            (Says::Equation(id), None) => self.told.names.contains(&id),
+            (Says::Equation(id), Some(name)) => id == name,
+            (_, name) => name.is_none(),
         };
-        let likeliest = fitted.iter().copied().find(|k| is_at(k) && is_told(k));
-        let at_place = match self.told.place {
-            Some(_) => likeliest,
-            None => curve.or(likeliest),
-        };
-        Some(Leading {
-            model: at_place.or(fitted.first().copied()).and_then(model)?,
-            curve: curve.and_then(model),
-        })
+        let is_likeliest = self.told.place.is_some() || curve.is_none();
+        let likeliest = at_place().filter(|_| is_likeliest).find(is_told);
+        let mut found: Vec<usize> = likeliest.into_iter().chain(curve).collect();
+        found.dedup();
+        if found.is_empty() {
+            found.extend(at_place().next().or(fitted.first().copied()));
+        }
+        let model = |k: usize| self.weighed.all[k].fitted.clone();
+        found.into_iter().filter_map(model).collect()
     }
 
     /// The law that is told.
-    fn described(&self, input: &SelectionInput, lead: &Leading, held_out: &HeldOut) -> MissingLaw {
+    fn described(&self, input: &SelectionInput, lead: &Fitted, held_out: &HeldOut) -> MissingLaw {
         let site = self.told.site.unwrap_or(Site::Current);
         let channel = usize::from(site == Site::Bending);
         let percent = |parts: &[Part]| nrmse(input.group, parts, channel).map(|part| 100.0 * part);
@@ -255,7 +271,7 @@ impl<'g> Round<'g> {
             name: self.told.name.map(str::to_owned),
             names: self.told.names.iter().map(|id| (*id).to_owned()).collect(),
             probability: self.told.probability.min(1.0),
-            curve: place.and_then(|_| drawn(lead.curve.as_ref()?)),
+            curve: place.and_then(|_| drawn(lead)),
             held_out: HeldOutError {
                 error_percent_before: percent(&held_out.before),
                 error_percent_after: percent(&held_out.after),

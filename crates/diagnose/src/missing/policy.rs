@@ -12,10 +12,9 @@ pub(super) const FITTED_TOGETHER: usize = 4;
 pub(super) const NEAR_PART: f64 = 0.15;
 pub(super) const NEAR_BESIDE: f64 = 12.0;
 
-/// Prior weights, those of all laws and equations together being one: that runs differ; slow noise; something of each run's own.
+/// Prior weights, those of all laws and equations together being one: that runs differ; slow noise.
 pub(super) const DIFFERS: f64 = 0.05;
 pub(super) const SLOW: f64 = 0.05;
-pub(super) const UNNAMED: f64 = 0.02;
 /// What the width of a strength costs where an equation was not fitted in full: the logarithm of as many standard deviations
 /// as are thought of.
 pub(super) const UNFITTED: f64 = 5.0;
@@ -24,17 +23,22 @@ pub(super) const OF_CURVES: f64 = 0.5;
 /// No hypothesis is exact: what a rival explains less, within this part of what the best explains, does not rule it out.
 pub(super) const INEXACT: f64 = 0.02;
 
+/// Logarithm of the odds on held-out readings from which a law is told: nineteen to one, as of all that is sure.
+pub(super) const CLEAR_GAIN: f64 = 2.944;
 /// Laws that are sought one after another at most. Chosen.
 pub(super) const MOST_LAWS: usize = 3;
 /// Part of the error beyond noise that laws must leave for another one to be sought: no law is exact.
 pub(super) const NEXT_FROM_PART: f64 = 0.05;
 /// Hypotheses below this probability are not told, but for the leading one of each kind. Chosen.
 pub(super) const LEAST_PROBABILITY: f64 = 1e-3;
-/// A law is drawn where the readings leave so much of the error that was there before, in as many places at least; else whole.
-/// Chosen.
+/// A law is drawn where the readings leave so much of the error that was there before (of a steady current, of its largest value),
+/// in as many places at least; else not. Chosen.
 pub(super) const TOLD_PART: f64 = 0.5;
 pub(super) const FEWEST_PLACES: usize = 5;
 /// Places over the variable at which a law is drawn.
 pub(super) const PLACES: usize = 41;
+/// Voltages at which a steady current is drawn, and time constants of the slowest branch after which it is one.
+pub(super) const STEADY_PLACES: usize = 25;
+pub(super) const STEADY_AFTER: f64 = 12.0;
 /// Explanations at most that a next run is asked to tell apart. Chosen.
 pub(super) const MOST_RIVALS: usize = 5;

@@ -34,8 +34,6 @@ pub(super) fn posterior(
                 }
             }
             Says::Equation(id) => found.push(plain(HypothesisKind::Effect, Some(id))),
-            Says::SlowNoise => found.push(plain(HypothesisKind::SlowNoise, None)),
-            Says::Unnamed => found.push(plain(HypothesisKind::Unnamed, None)),
             Says::Differ => found.extend(differing(weighed, mass, base)),
         }
     }

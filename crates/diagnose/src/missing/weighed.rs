@@ -1,23 +1,22 @@
-//! Everything that may be behind a misfit, weighed: laws as smooth curves, equations, runs that differ, slow noise, something of
-//! each run's own.
+//! Everything that may be behind a misfit, weighed: laws as smooth curves, equations, runs that differ. Slow noise stands beside
+//! them and is no rival.
 
 use std::collections::BTreeMap;
 
 use ieap_model::FitModel;
 use ieap_model::effects::Scale;
 use ieap_model::effects::smooth_laws::{Place, SmoothLaw, Textbook};
-use ieap_model::effects::{place_of, textbooks_of};
+use ieap_model::effects::{place_of_form, textbooks_of};
 use rayon::prelude::*;
 
 use super::columns::{LawColumns, columns_of};
 use super::evidence::{evidence, process};
 use super::policy::{
     DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
-    UNNAMED,
 };
 use super::simple::{Top, simple};
 use crate::cause::candidates::{CandidateFit, fit_candidates};
-use crate::cause::evidence::{Nameless, Parts, Process, Varying, log_evidence, log_sum};
+use crate::cause::evidence::{Process, Varying, log_evidence, log_sum, slow_noise};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::signature::{Direction, Signature};
@@ -34,10 +33,6 @@ pub(crate) enum Says {
     Equation(&'static str),
     /// Parameters differ between runs.
     Differ,
-    /// Slow noise, at rest as under voltage.
-    SlowNoise,
-    /// Something of every run's own.
-    Unnamed,
 }
 
 /// A hypothesis with its weight, logarithms over that of the base alone.
@@ -70,6 +65,8 @@ impl Weight<'_> {
 pub(crate) struct Weighed<'g> {
     pub(crate) all: Vec<Weight<'g>>,
     pub(crate) varying: Option<Varying>,
+    /// Probability of slow noise, at rest as under voltage, beside all of them.
+    pub(crate) slow_noise: f64,
 }
 
 /// What hypotheses are weighed on: beside `current`, which may have laws already.
@@ -90,20 +87,6 @@ impl<'g> Asked<'_, 'g> {
         let mut all = self.equations(&candidates);
         all.extend(self.curves(&all));
         share_priors(&mut all);
-        let nameless = Nameless::of(self.group);
-        let plain = |says, parts: Parts, prior: f64| Weight {
-            says,
-            place: None,
-            fall: parts.fall,
-            prior: prior.ln(),
-            occam: parts.occam,
-            free: parts.free,
-            fitted: None,
-        };
-        let unnamed = nameless.unnamed_parts(&tangent, self.residuals);
-        all.push(plain(Says::Unnamed, unnamed, UNNAMED));
-        let slow = nameless.slow_parts(&tangent, self.residuals);
-        all.push(plain(Says::SlowNoise, slow, SLOW));
         // Beside a law runs are not asked again whether they differ.
         let is_base = self.current.problem.effects.is_empty();
         let varying = is_base
@@ -113,14 +96,25 @@ impl<'g> Asked<'_, 'g> {
             let logs: Vec<f64> = varying.weighed(self.current).map(|(_, log)| log).collect();
             let log = log_sum(&logs) - varying.prior().ln();
             let fall = 0.5 * (self.current.penalised() - varying.square());
-            let parts = Parts {
+            all.push(Weight {
+                says: Says::Differ,
+                place: None,
                 fall,
+                prior: DIFFERS.ln(),
                 occam: log - fall,
                 free: varying.free(),
-            };
-            all.push(plain(Says::Differ, parts, DIFFERS));
+                fitted: None,
+            });
         }
-        Weighed { all, varying }
+        let slow = slow_noise(self.group, &tangent, self.residuals);
+        let logs: Vec<f64> = all.iter().map(|own| own.log(1.0)).collect();
+        let rest = log_sum(&logs);
+        let slow = slow.fall + slow.occam.min(0.0) + SLOW.ln();
+        Weighed {
+            all,
+            varying,
+            slow_noise: (1.0 + (rest - slow).exp()).recip(),
+        }
     }
 
     /// Every law as a smooth function, fitted in full until one that was leads; and as a curve of textbooks that is none of the
@@ -188,7 +182,7 @@ impl<'g> Asked<'_, 'g> {
         let (promised, brought) = pairs.fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
         let kept = if promised > 0.0 { brought / promised } else { 1.0 };
         let of = |candidate: &CandidateFit<'g>| {
-            let place = place_of(candidate.effect)?;
+            let place = place_of_form(candidate.effect, candidate.variant)?;
             let (fall, occam) = match &candidate.fitted {
                 Some(fitted) => log_evidence(self.current, fitted),
                 None => (kept * forecast(candidate), -0.5 * candidate.forms - UNFITTED),
@@ -346,23 +340,11 @@ fn share_priors(all: &mut [Weight]) {
 }
 
 impl Weighed<'_> {
-    /// Probabilities of all, in their order. Explanations are held against each other at the temperature at which a rival that
-    /// explains nearly as much is not ruled out, and together against what explains nothing as they are.
+    /// Probabilities of all, in their order, at the temperature at which a rival that explains nearly as much is not ruled out.
     pub(crate) fn masses(&self) -> Vec<f64> {
         let best = self.all.iter().map(|own| own.fall).fold(0.0, f64::max);
         let t = (INEXACT * best / (SURE / (1.0 - SURE)).ln()).max(1.0);
-        let explains = |own: &&Weight| !matches!(own.says, Says::SlowNoise | Says::Unnamed);
-        let at = |t: f64| self.all.iter().filter(explains).map(move |own| own.log(t));
-        let sum_at = |t: f64| log_sum(&at(t).collect::<Vec<_>>());
-        let (together, cooled) = (sum_at(1.0), sum_at(t));
-        let log = |own: &Weight| {
-            if explains(&own) {
-                together + own.log(t) - cooled
-            } else {
-                own.log(1.0)
-            }
-        };
-        let logs: Vec<f64> = self.all.iter().map(log).collect();
+        let logs: Vec<f64> = self.all.iter().map(|own| own.log(t)).collect();
         let whole = log_sum(&logs);
         logs.iter().map(|own| (own - whole).exp()).collect()
     }

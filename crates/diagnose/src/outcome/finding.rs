@@ -9,7 +9,7 @@ use ieap_domain::{
 };
 
 use crate::cause::evidence::{Varying, by_voltage};
-use crate::cause::proof::held_out::{HeldOut, Part, nrmse};
+use crate::cause::proof::held_out::{HeldOut, Part};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
 use crate::levels::{RIGHT_FROM, VISIBLE_PERCENT, WRONG_BELOW};
@@ -105,7 +105,7 @@ impl<'g> FindingBuilder<'_, 'g> {
         let mut held_out = None;
         if found.verdict == Verdict::Differs {
             held_out = by_voltage();
-        } else if found.verdict == Verdict::Unexplained && self.group.runs.len() > 1 {
+        } else if self.group.runs.len() > 1 && !explains_all(&missing) {
             found.alone = self.alone();
             if are_right(&found.alone) {
                 held_out = by_voltage();
@@ -120,10 +120,8 @@ impl<'g> FindingBuilder<'_, 'g> {
             self.add_differing(&mut found, varying, held_out);
         }
         found.posterior = missing.posterior;
-        match found.verdict {
-            Verdict::Unexplained => found.closest = missing.laws,
-            Verdict::Law => found.missing = missing.laws,
-            _ => {}
+        if found.verdict == Verdict::Law {
+            found.missing = missing.laws;
         }
         let names = found.missing.iter().flat_map(|law| law.names.clone());
         found.set.extend(names);
@@ -144,7 +142,6 @@ impl<'g> FindingBuilder<'_, 'g> {
             found.sentence = SPIKED_WORDS.into();
             found.set.clear();
             found.missing.clear();
-            found.closest.clear();
         }
         found
     }
@@ -162,9 +159,9 @@ impl<'g> FindingBuilder<'_, 'g> {
         alone(&given, self.options)
     }
 
-    /// Whether it is said of runs that are each right by themselves that they differ, where no law is told: of these nothing is
-    /// wrong but that one set of parameters is to describe them. A law that comes close is said instead where it predicts runs
-    /// left out better than lines of the parameters over the voltage do.
+    /// Whether it is said of runs that are each right by themselves that they differ: of these nothing is wrong but that one set
+    /// of parameters is to describe them. A law that leaves more than chance is said instead where it predicts runs left out that
+    /// others lie on both sides of better than lines of the parameters over the voltage do.
     fn rather_differs(&self, missing: &Found<'g>, by_voltage: Option<&HeldOut>) -> bool {
         if missing.varying.is_none() {
             return false;
@@ -172,11 +169,14 @@ impl<'g> FindingBuilder<'_, 'g> {
         let Some(lead) = missing.lead.as_ref().filter(|_| !missing.laws.is_empty()) else {
             return true;
         };
-        let error = |parts: &[Part]| -> f64 {
-            let each = (0..2).filter_map(|channel| nrmse(self.group, parts, channel));
-            each.map(|error| error * error).sum()
-        };
-        by_voltage.is_some_and(|found| error(&found.after) < error(&lead.held_out.after))
+        let beside = by_voltage.and_then(|lines| {
+            let both = HeldOut {
+                before: lines.after.clone(),
+                after: lead.held_out.after.clone(),
+            };
+            both.log_odds_between(self.group, Some("voltage_v"))
+        });
+        beside.is_some_and(|law_over_lines| law_over_lines < 0.0)
     }
 
     /// What differs, and what it is worth as laws of the voltage.
@@ -342,6 +342,12 @@ impl<'g> FindingBuilder<'_, 'g> {
         };
         self.group.blocks.iter().filter_map(of_block).collect()
     }
+}
+
+/// Whether the laws that are told leave no more than chance does.
+fn explains_all(missing: &Found) -> bool {
+    let left = missing.lead.as_ref().and_then(|lead| lead.p_leftover);
+    left.is_some_and(|p| p >= RIGHT_FROM)
 }
 
 /// Whether an error that matters would have been seen.

@@ -74,8 +74,6 @@ pub(crate) struct RunGroup<'a> {
     pub(crate) runs: Vec<GroupRun<'a>>,
     /// Whether slow noise is taken even where the readings alone do not ask for it.
     is_slow: bool,
-    /// Error of the model that is allowed for in every run, percent of the range of a channel.
-    pub(super) tolerance_percent: f64,
     /// What runs scatter by, where that was looked at.
     scatter: Option<Scatter>,
     pub(crate) blocks: Vec<Block>,
@@ -97,7 +95,6 @@ impl<'a> RunGroup<'a> {
             runs,
             blocks,
             is_slow: false,
-            tolerance_percent: 0.0,
             scatter: None,
         }
     }
@@ -109,15 +106,6 @@ impl<'a> RunGroup<'a> {
             ..self.clone()
         };
         (!self.is_slow).then(|| slow.renoised(model))
-    }
-
-    /// The same readings with an error of the model allowed for; none where none is, or was before.
-    pub(crate) fn with_tolerance(&self, percent: f64, model: &ExtendedModel) -> Option<RunGroup<'a>> {
-        let tolerant = RunGroup {
-            tolerance_percent: percent,
-            ..self.clone()
-        };
-        (percent > 0.0 && self.tolerance_percent == 0.0).then(|| tolerant.renoised(model))
     }
 
     /// The same readings with the noise that is left beside every run's own parameters, and with what these scatter by taken

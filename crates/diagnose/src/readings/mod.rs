@@ -4,6 +4,7 @@
 //! Out: a [`group::RunGroup`], the readings of all runs as rows of one whitened vector, block by block, with their noise.
 //! Spikes and outliers are left out here, and said; no model is fitted in this room.
 
+pub(crate) mod charges;
 pub(crate) mod course;
 pub(crate) mod drawn;
 pub(crate) mod group;
@@ -15,5 +16,4 @@ pub(crate) mod power_law;
 pub(crate) mod quantities;
 pub(crate) mod record_length;
 pub(crate) mod scatter;
-pub(crate) mod tolerance;
 mod zeros;

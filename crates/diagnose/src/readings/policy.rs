@@ -71,10 +71,6 @@ pub(super) const END_PART: f64 = 0.05;
 /// a strip that had relaxed was said to be 270 % off its curvature.
 pub(super) const KNOWN_FROM_SIGMAS: f64 = 5.0;
 
-/// Distance of the knots of the error that is tolerated, over the logarithm of the time since an edge: half a decade, as of other
-/// smooth courses.
-pub(super) const TOLERATED_STEP: f64 = 0.5 * std::f64::consts::LN_10;
-
 /// Readings at rest from which a zero and a drift of the instrument are known. Chosen.
 pub(super) const FEWEST_AT_REST: usize = 8;
 /// Stretches of a rest whose means tell how well its mean is known. Chosen.

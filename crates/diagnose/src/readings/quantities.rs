@@ -1,8 +1,8 @@
 //! What a user predicts: peak, time of the peak, plateau, charge, end current; measured and by a model.
 
+use crate::readings::charges::passed;
 use crate::readings::group::GroupRun;
 use crate::readings::policy::{END_PART, KNOWN_FROM_SIGMAS, READINGS_TOGETHER};
-use crate::readings::tolerance::passed;
 use ieap_fit::WhitenedChannel;
 use ieap_numerics::sums::mean;
 

@@ -1,5 +1,4 @@
-//! Zeros and drifts of instruments, what the readings at rest allow of them and no more, and beside them the error that is
-//! tolerated.
+//! Zeros and drifts of instruments, what the readings at rest allow of them and no more.
 //!
 //! A current that is read beside its zero, or a laser that drifts, is no misfit of the model. How large either may be is learnt
 //! from the readings before the drive alone, of all runs together, never from those that the model is asked about: an error of
@@ -11,7 +10,6 @@ use ieap_numerics::sums::sum;
 use crate::readings::group::{GroupRun, RunGroup};
 use crate::readings::left_open::LeftOpen;
 use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS, REST_BLOCKS};
-use crate::readings::tolerance::{courses, most_charge};
 use ieap_domain::range_of;
 
 /// What the rest of a channel says of a zero and of a drift, each with its variance: in the unit of the channel, the drift over
@@ -30,9 +28,6 @@ impl RunGroup<'_> {
                 .map(|(run, fitted)| at_rest(run, kind, &fitted[kind]))
                 .collect();
             let range = self.range_of(kind);
-            // As of the range, the largest of all runs: those with the least current do not decide alone.
-            let charges = self.runs.iter().filter(|_| kind == 0).map(most_charge);
-            let most = charges.fold(0.0, f64::max);
             let [zero, drift] = sizes(&each, MOST_DRIFT_PARTS[kind] * range);
             for (run, changes) in self.runs.iter().zip(&mut changes) {
                 let Some(channel) = &run.channels[kind] else {
@@ -41,7 +36,6 @@ impl RunGroup<'_> {
                 let parts = parts_of_record(channel);
                 let mut ways = vec![vec![zero; parts.len()]];
                 ways.push(parts.iter().map(|part| drift * part).collect());
-                ways.extend(courses(run, kind, self.tolerance_percent / 100.0, range, most));
                 let ways = ways.into_iter().filter(|way| way.iter().any(|v| *v != 0.0));
                 changes.extend(ways.map(|way| rows_of(run, kind, channel, way)));
             }

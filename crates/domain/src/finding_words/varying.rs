@@ -1,12 +1,14 @@
 //! What is said where the parameters of a group differ between its runs, and nothing else is wrong.
 
 use super::{followed_tag, proof};
-use crate::number::{rounded, significant};
+use crate::number::significant;
 use crate::words::in_a_row;
 use crate::{GroupDiagnosis, VaryingParameter, VaryingValue};
 
 /// Parameters whose courses are told at most; the others are named. Chosen.
 const MOST_COURSES: usize = 2;
+/// What is further apart is told as that. Chosen.
+const MOST_FOLD: f64 = 1e3;
 
 /// The sentence of runs whose parameters differ.
 pub(super) fn sentence(found: &GroupDiagnosis) -> String {
@@ -34,11 +36,11 @@ pub(super) fn sentence(found: &GroupDiagnosis) -> String {
         )
     });
     let with = match differing.first().map_or("", |own| own.with.as_str()) {
-        "voltage_v" => " with the voltage".to_owned(),
-        with => followed_tag(with).map_or_else(String::new, |tag| format!(" with {tag}")),
+        "voltage_v" => ", which differ with the voltage".to_owned(),
+        with => followed_tag(with).map_or_else(String::new, |tag| format!(", which differ with {tag}")),
     };
     format!(
-        "The {} runs differ{with}{share}. {}{further}.{}",
+        "No one set of parameters describes the {} runs{with}{share}. {}{further}.{}",
         found.runs.len(),
         listed(&told),
         proof(found, "laws of the voltage in their place")
@@ -76,9 +78,10 @@ fn fold(parameter: &VaryingParameter) -> f64 {
     if high == 0.0 { 1.0 } else { high / low }
 }
 
-/// How a parameter goes: with the voltage where it rises or falls all along it, else between which values it lies.
+/// How a parameter goes: with the voltage where it rises or falls all along it, else how far apart its values are. The values
+/// stand in the table beside it.
 fn course(parameter: &VaryingParameter) -> Option<String> {
-    let (name, factor, unit) = printed(&parameter.key);
+    let (name, ..) = printed(&parameter.key);
     let mut values: Vec<&VaryingValue> = parameter.values.iter().collect();
     let volts = |own: &VaryingValue| own.step_v.abs();
     values.sort_by(|a, b| volts(a).total_cmp(&volts(b)));
@@ -88,32 +91,29 @@ fn course(parameter: &VaryingParameter) -> Option<String> {
     let apart = values
         .windows(2)
         .all(|pair| volts(pair[1]) > 1.001 * volts(pair[0]));
-    let (low, high) = (
-        values.iter().min_by(|a, b| a.value.total_cmp(&b.value))?,
-        values.iter().max_by(|a, b| a.value.total_cmp(&b.value))?,
-    );
-    let times = match fold(parameter) {
-        fold if (1.5..1e3).contains(&fold) => format!(" ({}-fold)", short(fold)),
-        _ => String::new(),
-    };
-    // To the digits of the table beside it.
-    let shown = |own: &VaryingValue| rounded(factor * own.value, factor * own.standard_error).value_text();
+    let fold = fold(parameter);
     Some(if apart && (rises || falls) {
-        format!(
-            "{name} {} from {} to {} {unit}{times} from {} to {} V",
-            if rises { "rises" } else { "falls" },
-            shown(first),
-            shown(last),
-            short(volts(first)),
-            short(volts(last)),
-        )
+        let verb = if rises == (first.value > 0.0) {
+            "rises"
+        } else {
+            "falls"
+        };
+        let by = times(fold, verb == "falls");
+        let (from, to) = (short(volts(first)), short(volts(last)));
+        format!("{name} {verb} {by} from {from} to {to} V")
     } else {
-        format!(
-            "{name} lies between {} and {} {unit}{times}",
-            shown(low),
-            shown(high)
-        )
+        format!("{name} differs {}", times(fold, false))
     })
+}
+
+/// By how much: `2.28-fold`, `by 28 %`.
+fn times(fold: f64, falls: bool) -> String {
+    let part = if falls { 1.0 - fold.recip() } else { fold - 1.0 };
+    match fold {
+        ..2.0 => format!("by {} %", significant(100.0 * part, 2)),
+        2.0..MOST_FOLD => format!("{}-fold", short(fold)),
+        _ => format!("more than {MOST_FOLD}-fold"),
+    }
 }
 
 /// Three digits that count.
@@ -177,14 +177,13 @@ mod tests {
         );
         assert_eq!(
             course(&falling).unwrap(),
-            "R_ss falls from 17.9 to 1.90 kOhm cm2 (9.42-fold) from 1.20 to 2.50 V"
+            "R_ss falls 9.42-fold from 1.20 to 2.50 V"
         );
         let between = parameter("c1_f_per_cm2", &[("2", 0.004), ("2.5", 0.001), ("1.2", 0.002)]);
-        assert_eq!(
-            course(&between).unwrap(),
-            "C1 lies between 1.000 and 4.00 mF/cm2 (4.00-fold)"
-        );
-        let repeats = parameter("lambda_per_s", &[("2", 0.02), ("2.0", 0.01)]);
-        assert!(course(&repeats).unwrap().starts_with("lambda lies between"));
+        assert_eq!(course(&between).unwrap(), "C1 differs 4.00-fold");
+        let repeats = parameter("lambda_per_s", &[("2", 0.015), ("2.0", 0.01)]);
+        assert_eq!(course(&repeats).unwrap(), "lambda differs by 50 %");
+        let less = parameter("c2_f_per_cm2", &[("2", 0.004), ("2.5", 0.003)]);
+        assert_eq!(course(&less).unwrap(), "C2 falls by 25 % from 2.00 to 2.50 V");
     }
 }

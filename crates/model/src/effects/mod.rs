@@ -219,7 +219,40 @@ impl<E: Equation> Effect for E {
     }
 }
 
-/// The place of an effect of the library: the law that its equation is a curve of.
+/// Forms that act elsewhere than the first form of their effect: id, form, where, law and variable.
+#[rustfmt::skip]
+static ELSEWHERE: &[(&str, &str, Site, [&str; 2])] = &[
+    ("constant-phase", "lost", Site::Current, ["leak", "time_since_edge_s"]),
+    ("contact-break", "capacitance", Site::Current, ["capacitance", "time_s"]),
+    ("contact-break", "coupling", Site::Bending, ["coupling", "time_s"]),
+    ("current-limit", "meter", Site::Current, ["current-reading", "current_a_per_cm2"]),
+    ("parameter-wander", "capacitances", Site::Current, ["capacitance", "time_s"]),
+    ("parameter-wander", "r-ss", Site::Current, ["leak", "time_s"]),
+    ("parameter-wander", "coupling", Site::Bending, ["coupling", "time_s"]),
+    ("polarity-memory", "resistance", Site::Current, ["resistance", "history"]),
+    ("polarity-memory", "relaxation", Site::Bending, ["relaxation", "history"]),
+    ("water-redistribution", "relaxation", Site::Bending, ["relaxation", "flow"]),
+];
+
+/// The place of an effect of the library in that form: the law that its equation is a curve of.
+pub fn place_of_form(effect: &str, variant: usize) -> Option<Place> {
+    let row = row_of(effect)?;
+    let form = row.effect.about().variants.get(variant);
+    let elsewhere = ELSEWHERE
+        .iter()
+        .find(|own| own.0 == effect && Some(&own.1) == form);
+    match elsewhere {
+        Some(&(_, _, site, [law, variable])) => Some(Place {
+            site,
+            law,
+            of: "",
+            variable,
+        }),
+        None => place_of(effect),
+    }
+}
+
+/// The place of an effect of the library in its first form.
 pub fn place_of(effect: &str) -> Option<Place> {
     let row = row_of(effect)?;
     Some(Place {

@@ -4,7 +4,9 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::tree::MECHANISMS;
-use super::{ALL, Applied, Effect, Limits, Scale, Search, Site, effect, mechanism_of, place_of};
+use super::{
+    ALL, Applied, Effect, Limits, Scale, Search, Site, effect, mechanism_of, place_of, place_of_form,
+};
 use crate::extended::tests::{base, context, drive};
 use crate::extended::{ExtendedModel, Responses};
 use ieap_domain::Drive;
@@ -313,6 +315,9 @@ fn effects_stand_in_the_order_of_the_catalogue() {
 fn every_effect_has_its_place_and_every_mechanism_its_effects() {
     for effect in ALL.iter() {
         assert!(place_of(effect.about().id).is_some(), "{}", effect.about().id);
+        let forms = 0..effect.about().variants.len();
+        let of_form = |form| place_of_form(effect.about().id, form);
+        assert!(forms.clone().all(|form| of_form(form).is_some()));
     }
     for own in MECHANISMS {
         let is_of = |effect: &&dyn Effect| mechanism_of(effect.about().id) == Some(own);

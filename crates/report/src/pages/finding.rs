@@ -81,12 +81,20 @@ pub fn content(site: &Site, place: usize) -> Result<Content, ReportError> {
     Content::new("finding.html", &page, figures)
 }
 
+/// The next run; what it leaves open is said where that is more than one cause.
 fn next_words(next: &NextRun) -> String {
+    let left = if next.expected_set_size.round() > 1.0 {
+        format!(
+            "; about {} of them would be left",
+            fixed(next.expected_set_size, 0)
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "Next: {}; it tells apart {}, and {} possible causes are expected to be left.",
+        "Next: {}. It tells apart {}{left}.",
         next.drive,
-        in_a_row(&next.splits),
-        significant(next.expected_set_size, 2)
+        in_a_row(&next.splits)
     )
 }
 

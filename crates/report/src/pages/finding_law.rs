@@ -47,12 +47,12 @@ pub fn account_parts(account: Option<&Account>) -> Vec<AccountPart> {
     all.filter(|own| own.width >= LEAST).collect()
 }
 
-/// The missing laws of a group, or those that come closest, each drawn.
+/// The missing laws of a group, each drawn.
 ///
 /// # Errors
 /// [`ReportError::Figure`] where a figure cannot be drawn.
 pub fn laws(page: &mut Writer, found: &GroupDiagnosis) -> Result<(), ReportError> {
-    for (place, law) in found.missing.iter().chain(&found.closest).enumerate() {
+    for (place, law) in found.missing.iter().enumerate() {
         page.part(&short_name(law), |part| {
             match &law.curve {
                 Some(curve) => {

@@ -37,7 +37,7 @@ pub(super) fn held_out(
         }
         let limits = |k: usize| base.problem.limits_of(k);
         (0..at.len()).for_each(|k| at[k] = at[k].clamp(limits(k).0, limits(k).1));
-        after.push(predicted_part(&base.problem, &at, group, &out));
+        after.push(predicted_part(&base.problem, &at, group, &out, None));
     }
     Some(HeldOut { before, after })
 }

@@ -19,17 +19,13 @@ pub(super) const KNOWN_BEFORE: f64 = 1e-4;
 /// be seen: far below [`SIZES`], above what rounding leaves. Chosen.
 pub(super) const NOTHING: f64 = 1e-12;
 
-/// Distance of the knots of smooth courses over the logarithm of the time since an edge: half a decade. Prototype.
-pub(super) const KNOT_SPACING: f64 = 0.5 * std::f64::consts::LN_10;
-/// Time since an edge from which these knots begin, s. Prototype.
-pub(super) const KNOTS_FROM_S: f64 = 0.2;
-/// Knots of smooth courses over the clock. Not calibrated.
-pub(super) const KNOTS_BY_CLOCK: usize = 8;
 /// Waves of slow noise: the longest lasts two records, the shortest a sixth of one. Not calibrated.
 pub(super) const WAVES: usize = 12;
-/// Knots or waves of all channels of a group together, for the time that they take.
+/// Waves of all channels of a group together, for the time that they take.
 pub(super) const MOST_BY_CLOCK: usize = 160;
 
+/// Upper end of the ratio of a parameter's values below which it is not told to differ: less is not printed. Chosen.
+pub(super) const LEAST_RATIO: f64 = 1.005;
 /// Subsets of parameters that differ which are fitted in full: the leading ones. Chosen.
 pub(super) const SUBSETS_FITTED: usize = 3;
 /// Parameters of which all subsets are asked; of more only singles, pairs and all. Chosen: each doubles them.

@@ -1,11 +1,10 @@
-//! Smooth courses over time as Gaussian processes of few columns: what they explain and what they cost, in closed form.
+//! Gaussian processes of few columns: what they explain and what they cost, in closed form.
 
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
-use super::policy::{KNOT_SPACING, KNOTS_FROM_S, NOTHING};
+use super::policy::NOTHING;
 use crate::fitting::tangent::{DEPENDENT, Tangent};
-use crate::readings::group::{Block, RunGroup};
 
 /// A column of whitened readings, as pieces that begin at a row.
 pub(crate) struct Column {
@@ -135,97 +134,6 @@ impl Process {
     }
 }
 
-/// Weights of smooth knots at every reading of a block; their squares sum to one at each.
-pub(super) struct Knots {
-    /// A series for each knot.
-    pub(super) weights: Vec<Vec<f64>>,
-}
-
-impl Knots {
-    /// Over the logarithm of the time since the last edge of the drive.
-    pub(super) fn since_edge(group: &RunGroup, block: usize, longest_s: f64) -> Knots {
-        let place = |t: f64| ((t.max(0.0) + KNOTS_FROM_S) / KNOTS_FROM_S).ln() / KNOT_SPACING;
-        let places: Vec<f64> = since_edge(group, block).into_iter().map(place).collect();
-        Knots::at(&places, place(longest_s))
-    }
-
-    /// Over the clock from the start of the record, this many.
-    pub(super) fn by_clock(group: &RunGroup, block: usize, count: usize) -> Knots {
-        let own = &group.blocks[block];
-        let run = &group.runs[own.run];
-        let longest_s = run.duration_s.max(f64::MIN_POSITIVE);
-        let last = (count - 1) as f64;
-        let times = run.times(own.channel).iter();
-        let places: Vec<f64> = times.map(|t| t / longest_s * last).collect();
-        Knots::at(&places, last)
-    }
-
-    fn at(places: &[f64], last: f64) -> Knots {
-        let count = last.ceil().max(0.0) as usize + 1;
-        let bell = |knot: usize, place: f64| (-0.5 * (place - knot as f64).powi(2)).exp();
-        let size = |place: f64| {
-            let sum: f64 = (0..count).map(|knot| bell(knot, place).powi(2)).sum();
-            sum.sqrt().max(f64::MIN_POSITIVE)
-        };
-        let sizes: Vec<f64> = places.iter().map(|&place| size(place)).collect();
-        let of_knot = |knot: usize| {
-            let each = places.iter().zip(&sizes);
-            each.map(|(&place, size)| bell(knot, place) / size).collect()
-        };
-        Knots {
-            weights: (0..count).map(of_knot).collect(),
-        }
-    }
-}
-
-/// Columns of a channel that its runs share, one for each knot since the edge: `piece` makes a block's part of a column from
-/// the place of the block and the knot's weights.
-pub(super) fn shared_since_edge(
-    group: &RunGroup,
-    channel: usize,
-    piece: impl Fn(usize, &[f64]) -> (usize, Vec<f64>),
-) -> Vec<Column> {
-    let longest_s = longest_s(group);
-    let mut shared: Vec<Vec<(usize, Vec<f64>)>> = Vec::new();
-    for (place, _) in blocks_of(group, channel) {
-        let knots = Knots::since_edge(group, place, longest_s).weights;
-        shared.resize_with(knots.len().max(shared.len()), Vec::new);
-        for (column, weights) in shared.iter_mut().zip(&knots) {
-            column.push(piece(place, weights));
-        }
-    }
-    shared.into_iter().map(Column::of).collect()
-}
-
-/// The blocks of a channel, with their places.
-pub(super) fn blocks_of<'g>(group: &'g RunGroup, channel: usize) -> impl Iterator<Item = (usize, &'g Block)> {
-    let all = group.blocks.iter().enumerate();
-    all.filter(move |(_, block)| block.channel == channel)
-}
-
-/// Time since the last edge of the drive at every reading of a block, s; below 0 before the first.
-fn since_edge(group: &RunGroup, block: usize) -> Vec<f64> {
-    let own = &group.blocks[block];
-    let run = &group.runs[own.run];
-    let edges_s = run.drive().edges_s();
-    let mut next = 0;
-    let since = |&t: &f64| {
-        while edges_s.get(next).is_some_and(|start_s| *start_s <= t) {
-            next += 1;
-        }
-        match next {
-            0 => -1.0,
-            after => t - edges_s[after - 1],
-        }
-    };
-    run.times(own.channel).iter().map(since).collect()
-}
-
-/// The longest record of the group, s.
-pub(super) fn longest_s(group: &RunGroup) -> f64 {
-    group.runs.iter().map(|run| run.duration_s).fold(0.0, f64::max)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,15 +150,5 @@ mod tests {
         let (fall, width) = process.parts(a);
         assert!((fall + width - expected).abs() < 1e-9);
         assert_eq!(process.parts(0.0), (0.0, 0.0));
-    }
-
-    #[test]
-    fn knots_weigh_every_place_alike() {
-        let knots = Knots::at(&[0.0, 0.3, 1.7, 4.0], 4.0);
-        assert_eq!(knots.weights.len(), 5);
-        for place in 0..4 {
-            let sum: f64 = knots.weights.iter().map(|own| own[place] * own[place]).sum();
-            assert!((sum - 1.0).abs() < 1e-12);
-        }
     }
 }

@@ -14,10 +14,13 @@ use ieap_numerics::symmetric::Symmetric;
 use super::by_voltage;
 use super::laplace::known_before;
 use super::own::OwnFits;
-use super::policy::{KNOWN_BEFORE, MOST_FOR_ALL_SUBSETS, SPREADS, SUBSETS_FITTED, VARIES, grid, log_mean};
+use super::policy::{
+    KNOWN_BEFORE, LEAST_RATIO, MOST_FOR_ALL_SUBSETS, SPREADS, SUBSETS_FITTED, VARIES, grid, log_mean,
+};
 use super::shared;
 use crate::cause::proof::held_out::HeldOut;
 use crate::fitting::fitted::Fitted;
+use crate::fitting::policy::WIDEST_HALF_LOG;
 use crate::readings::group::RunGroup;
 
 /// A spread that holds nothing together.
@@ -164,8 +167,10 @@ impl Varying {
         let beyond_noise = (base.square - (group.rows() - base.at.len()) as f64).max(f64::MIN_POSITIVE);
         let of_parameter = |&k: &usize| {
             let of_run = |(run, name): (usize, &str)| {
-                let (value, standard_error) =
-                    base.base_value(k, self.shared.at[run][k], self.shared.standard_errors[run][k])?;
+                let (at, error) = (self.shared.at[run][k], self.shared.standard_errors[run][k]);
+                // A bound of the search is no value, nor is what the run does not tell.
+                let is_told = !base.problem.at_limit(k, at) && error < WIDEST_HALF_LOG / NORMAL_95;
+                let (value, standard_error) = base.base_value(k, at, error).filter(|_| is_told)?;
                 Some(VaryingValue {
                     run: name.to_owned(),
                     step_v: group.runs[run].drive().nominal_step_v(),
@@ -184,7 +189,9 @@ impl Varying {
                 values,
             }
         };
-        first.of.iter().map(of_parameter).collect()
+        let all = first.of.iter().map(of_parameter);
+        let differs = |own: &VaryingParameter| own.ratio.is_none_or(|ratio| ratio.high_95 > LEAST_RATIO);
+        all.filter(|own| own.values.len() > 1 && differs(own)).collect()
     }
 }
 

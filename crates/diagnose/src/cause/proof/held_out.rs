@@ -9,6 +9,8 @@ use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::least_squares::Minimum;
 
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
+use crate::cause::proof::block_error::BlockError;
+use crate::cause::proof::doubt::Doubt;
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::{Fitted, HELD};
 use crate::fitting::problem::ExtendedProblem;
@@ -55,6 +57,8 @@ pub(crate) struct Part {
     pub(crate) deviance: f64,
     /// Current and curvature beside the prediction.
     pub(crate) deviations: [Deviations; 2],
+    /// The same run by run and channel by channel, in units of the noise.
+    pub(crate) errors: Vec<BlockError>,
     /// What a user predicts of each run; none where times of a run are held out.
     pub(crate) predicted: Vec<Predicted>,
     /// What is left of it, drawn.
@@ -68,6 +72,7 @@ impl Part {
             name,
             deviance,
             deviations: <[Deviations; 2]>::default(),
+            errors: Vec::new(),
             predicted: Vec::new(),
             curves: Vec::new(),
         }
@@ -80,7 +85,7 @@ pub(crate) struct Deviations {
     /// Sum of the squares of measured minus predicted, in the channel's unit squared.
     pub(crate) square: f64,
     pub(crate) readings: usize,
-    /// Readings within the 95 % interval of the noise about the prediction.
+    /// Readings within the 95 % interval of the prediction: by the noise, the parameters and the error that the model leaves.
     pub(crate) covered: usize,
 }
 
@@ -111,16 +116,6 @@ impl HeldOut {
     pub(crate) fn better(&self) -> (usize, usize) {
         let falls = self.falls();
         (falls.iter().filter(|fall| **fall > 0.0).count(), falls.len())
-    }
-
-    /// Whether the errors of current and curvature, in parts of their ranges, fall on average: what is likelier because it claims
-    /// to know less is no better prediction.
-    pub(crate) fn errors_fall(&self, group: &RunGroup) -> bool {
-        let ratio = |channel: usize| {
-            let after = nrmse(group, &self.after, channel)?;
-            Some((after / nrmse(group, &self.before, channel)?).ln())
-        };
-        (0..2).filter_map(ratio).sum::<f64>() < 0.0
     }
 }
 
@@ -194,16 +189,17 @@ fn rows_of_time(group: &RunGroup, run: usize, held_out_time: HeldOutTime) -> (Ve
 fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[usize]) -> Part {
     let out = rows_of_runs(group, runs);
     let bottom = without(fitted, predictive, &out);
+    let doubt = Doubt::of(&fitted.problem, predictive, &bottom.at, &out);
     Part {
         deviance: predictive.deviance(&out, bottom.local.square),
-        ..predicted_part(&fitted.problem, &bottom.at, group, runs)
+        ..predicted_part(&fitted.problem, &bottom.at, group, runs, Some(&doubt))
     }
 }
 
 /// Runs predicted by a model that was fitted without them, counted by their error as [`predicted_part`] counts.
 pub(crate) fn left_out_by(fitted: &Fitted, group: &RunGroup, runs: &[usize]) -> Part {
     let bottom = without(fitted, &Predictive::of(fitted), &rows_of_runs(group, runs));
-    predicted_part(&fitted.problem, &bottom.at, group, runs)
+    predicted_part(&fitted.problem, &bottom.at, group, runs, None)
 }
 
 /// Runs beside the model at a place that was found without them. What is counted is the mean squared error of each channel in
@@ -213,6 +209,7 @@ pub(crate) fn predicted_part(
     at: &[f64],
     group: &RunGroup,
     runs: &[usize],
+    doubt: Option<&Doubt>,
 ) -> Part {
     let model = problem.model(at);
     let mut part = Part::new(name(group, runs), 0.0);
@@ -220,7 +217,8 @@ pub(crate) fn predicted_part(
         let group_run = &group.runs[run];
         let context = group_run.context(run, None);
         let found = group_run.fitted(&model, &context);
-        compare(&mut part, group, run, &found, &|_| true);
+        let variances = doubt.map(|doubt| doubt.variances(problem, at, run));
+        compare(&mut part, group, run, (&found, variances.as_ref()), &|_| true);
         part.predicted
             .push(predicted(group_run, found.each_ref().map(Vec::as_slice)));
     }
@@ -270,22 +268,30 @@ fn name(group: &RunGroup, runs: &[usize]) -> String {
     }
 }
 
-/// Adds to the part the wanted readings of a run beside what was predicted of them.
+/// Adds to the part the wanted readings of a run beside what was predicted of them, with the variance of what was, where it is
+/// known.
 pub(crate) fn compare(
     part: &mut Part,
     group: &RunGroup,
     run: usize,
-    fitted: &[Vec<f64>; 2],
+    (fitted, variances): (&[Vec<f64>; 2], Option<&[Vec<f64>; 2]>),
     wanted: &dyn Fn(usize) -> bool,
 ) {
     for block in group.blocks.iter().filter(|block| block.run == run) {
         let fitted = &fitted[block.channel];
-        part.deviations[block.channel].add(deviations(group, block, fitted, wanted));
+        let variances = variances.map_or(&[][..], |of| &of[block.channel]);
+        part.deviations[block.channel].add(deviations(group, block, (fitted, variances), wanted));
+        part.errors.extend(BlockError::of(group, block, fitted, wanted));
         part.curves.extend(drawn(group, block, fitted, wanted));
     }
 }
 
-fn deviations(group: &RunGroup, block: &Block, fitted: &[f64], wanted: &dyn Fn(usize) -> bool) -> Deviations {
+fn deviations(
+    group: &RunGroup,
+    block: &Block,
+    (fitted, variances): (&[f64], &[f64]),
+    wanted: &dyn Fn(usize) -> bool,
+) -> Deviations {
     let mut sum = Deviations::default();
     let Some(channel) = group.channel(block) else {
         return sum;
@@ -295,6 +301,7 @@ fn deviations(group: &RunGroup, block: &Block, fitted: &[f64], wanted: &dyn Fn(u
         if wanted(block.first + k) {
             sum.square += (y - f) * (y - f);
             sum.readings += 1;
+            let sd = (sd * sd + variances.get(k).unwrap_or(&0.0)).sqrt();
             sum.covered += usize::from((y - f).abs() <= NORMAL_95_ROUNDED * sd);
         }
     }
@@ -314,6 +321,8 @@ fn out_of_time(
     let found = run.fitted(&model, &run.context(0, None));
     let deviance = predictive.deviance(&out, bottom.local.square);
     let mut part = Part::new(span(from_s, to_s), deviance);
-    compare(&mut part, group, 0, &found, &|row| out[row]);
+    let variances = Doubt::of(&fitted.problem, predictive, &bottom.at, &out);
+    let variances = variances.variances(&fitted.problem, &bottom.at, 0);
+    compare(&mut part, group, 0, (&found, Some(&variances)), &|row| out[row]);
     part
 }

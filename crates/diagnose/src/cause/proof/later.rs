@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use crate::cause::policy::EARLIER_PART;
+use crate::cause::proof::doubt::Doubt;
 use crate::cause::proof::held_out::{Part, REFIT, SETTLE, compare, later_rows};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
@@ -30,6 +31,7 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
     let earlier = fitted.problem.without(&all_later);
     let earlier = earlier.search(&fitted.at, LATER_REFIT, SETTLE, &[]);
     let model = fitted.problem.model(&earlier.at);
+    let doubt = Doubt::of(&fitted.problem, &predictive, &earlier.at, &all_later);
     let part = |&run: &usize| {
         let others: Vec<usize> = runs.iter().copied().filter(|&other| other != run).collect();
         let out = later_rows(group, &others);
@@ -44,7 +46,8 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
             predictive.added((&out, with.local.square), (&all_later, earlier.local.square)),
         );
         let own = later_rows(group, &[run]);
-        compare(&mut part, group, run, &found, &|row| own[row]);
+        let variances = doubt.variances(&fitted.problem, &earlier.at, run);
+        compare(&mut part, group, run, (&found, Some(&variances)), &|row| own[row]);
         part
     };
     runs.par_iter().map(part).collect()

@@ -50,6 +50,15 @@ impl Predictive {
         self.columns.iter().map(own).collect()
     }
 
+    /// What is known of the parameters by the rows that are not `out`, and before.
+    pub(crate) fn normal_without(&self, out: &[bool]) -> Symmetric {
+        let mut normal = normal(&self.columns, out);
+        for (k, precision) in self.known.iter().enumerate() {
+            normal.add(k, k, *precision);
+        }
+        normal
+    }
+
     /// Deviance of the rows that are `out`, where the others leave the least sum of squares `others`.
     pub(crate) fn deviance(&self, out: &[bool], others: f64) -> f64 {
         self.added((&[], self.square), (out, others))

@@ -71,6 +71,15 @@ impl Axis {
         }
     }
 
+    /// The same by its size, where both are one as long as the voltage has one sign.
+    pub(super) fn by_size(self) -> Option<Axis> {
+        match self {
+            Axis::Voltage => Some(Axis::VoltageSize),
+            Axis::Charge => Some(Axis::ChargeSize),
+            _ => None,
+        }
+    }
+
     /// Name in ids.
     pub(super) fn key(self) -> String {
         let parts = |part: f64| format!("{}th", part.recip().round() as u32);

@@ -92,6 +92,15 @@ impl SmoothLaw {
         }
     }
 
+    /// Whether it is one of these laws, by the size of its variable, where the voltage has one sign.
+    pub fn is_by_size_among(&self, laws: &[&SmoothLaw]) -> bool {
+        let sized = self.axis.by_size();
+        let is_twin = |other: &&SmoothLaw| {
+            (other.place, other.part) == (self.place, self.part) && Some(other.axis) == sized
+        };
+        laws.iter().any(is_twin)
+    }
+
     /// Weights that it has.
     pub fn weights(&self) -> usize {
         self.part.weights(self.axis)
