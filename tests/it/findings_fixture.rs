@@ -138,6 +138,7 @@ fn named(runs: &[&str]) -> GroupDiagnosis {
                 coverage_after: Some(0.9514),
                 ..held_out(150.1, 12.0)
             },
+            outside: None,
             predictions: vec![Prediction {
                 quantity: "end_current".to_owned(),
                 before_percent: 7.31,

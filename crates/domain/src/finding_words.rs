@@ -134,10 +134,13 @@ fn size(misfit: MisfitPercent) -> String {
     in_a_row(&each.into_iter().flatten().collect::<Vec<_>>())
 }
 
-/// The laws that are missing: "faradaic-leak (electrolysis current above an onset voltage)"; empty of none.
+/// The laws that are missing: "faradaic-leak (electrolysis current above an onset voltage)"; empty of none. What is no more than a
+/// place comes last.
 pub fn causes(found: &GroupDiagnosis, about: &About) -> String {
-    let each: Vec<String> = found.missing.iter().map(|law| cause(law, about)).collect();
-    in_a_row(&each)
+    let (laws, places): (Vec<&MissingLaw>, Vec<&MissingLaw>) =
+        found.missing.iter().partition(|law| law.law.is_some());
+    let each = laws.into_iter().chain(places).map(|law| cause(law, about));
+    in_a_row(&each.collect::<Vec<_>>())
 }
 
 /// A law in words: by its name; else by what it is, and which of the known curves lie within its band.
@@ -152,7 +155,7 @@ fn cause(law: &MissingLaw, about: &About) -> String {
         );
     }
     let by = match law.names.as_slice() {
-        [] => ", by no curve that is known".to_owned(),
+        [] => " (no known curve)".to_owned(),
         [only] => format!(", about as {only} has it"),
         many => format!(", as {} has it: these runs do not tell which", either(many)),
     };
@@ -274,7 +277,7 @@ fn either<T: AsRef<str>>(words: &[T]) -> String {
 /// What became of what was held out, with a blank before it; nothing of nothing.
 pub fn proof(found: &GroupDiagnosis, with: &str) -> String {
     found.gain.as_ref().map_or_else(String::new, |gain| {
-        let what = format!("held-out {}", gain.parts_word(found.runs.len()));
+        let what = gain.held_out_words(found.runs.len());
         // Of runs that differ what is predicted stands in the table below.
         let predictions = match found.verdict {
             Verdict::Differs => &[],

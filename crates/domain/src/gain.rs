@@ -11,9 +11,12 @@ use super::quantiles::NORMAL_95;
 pub struct Gain {
     /// What was held out: `run` (every drive in turn, with its repeats) or `time` (stretches of a single run).
     pub held_out: String,
-    /// The gain on that: the proof that an extension needs.
+    /// The gain on that, where there are such on those that others lie on both sides of: the proof that an extension needs.
     #[serde(flatten)]
     pub proof: HeldOutGain,
+    /// The gain on the others, which lie outside what was measured beside them: what a law does there is not known.
+    #[serde(default)]
+    pub outside: Option<HeldOutGain>,
     /// What a user predicts of held-out runs, and how far off it is.
     #[serde(default)]
     pub predictions: Vec<Prediction>,
@@ -32,10 +35,21 @@ pub struct Gain {
 impl Gain {
     /// What was held out of so many runs, in a word for several.
     pub fn parts_word(&self, runs: usize) -> &'static str {
+        let outside = self.outside.as_ref().map_or(0, |own| own.parts.len());
         match self.held_out.as_str() {
             "time" => "stretches of time",
-            _ if self.proof.parts.len() < runs => "drives",
+            _ if self.proof.parts.len() + outside < runs => "drives",
             _ => "runs",
+        }
+    }
+
+    /// What was held out and counts, of so many runs: `held-out runs`, `held-out run between others`.
+    pub fn held_out_words(&self, runs: usize) -> String {
+        let word = self.parts_word(runs);
+        match (&self.outside, self.proof.parts.len()) {
+            (None, _) => format!("held-out {word}"),
+            (Some(_), 1) => format!("held-out {} between others", &word[..word.len() - 1]),
+            (Some(_), _) => format!("held-out {word} between others"),
         }
     }
 }

@@ -222,6 +222,7 @@ pub fn gain(proof: HeldOutGain) -> Gain {
     Gain {
         held_out: "run".to_owned(),
         proof,
+        outside: None,
         predictions: Vec::new(),
         residual_rms_sigma_before: 20.0,
         residual_rms_sigma_after: 10.0,

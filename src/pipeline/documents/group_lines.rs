@@ -72,12 +72,16 @@ fn of_gain(gain: &Gain, verdict: Verdict) -> String {
         Verdict::Differs => "parameters of each run's own",
         _ => "it",
     };
+    let outside = gain.outside.as_ref().map_or_else(String::new, |outside| {
+        let what = "held-out runs that lie outside what the others measured";
+        format!(" {}", gain_words(with, what, outside, &[]))
+    });
     let later = gain.later.as_ref().map_or_else(String::new, |later| {
         let what = "ends of runs (the last 40 %, from the first 60 % of all)";
         format!(" {}", gain_words(with, what, later, &[]))
     });
     format!(
-        "    residuals of the fit with {with}: from {} to {} times the noise.{later}",
+        "    residuals of the fit with {with}: from {} to {} times the noise.{outside}{later}",
         significant(gain.residual_rms_sigma_before, 3),
         significant(gain.residual_rms_sigma_after, 3)
     )

@@ -14,6 +14,7 @@ use super::posterior::{differing, posterior};
 use super::told::{Told, told};
 use super::weighed::{Asked, Says, Weighed};
 use crate::cause::evidence::Varying;
+use crate::cause::proof::by_size::between;
 use crate::cause::proof::held_out::{HeldOut, Part, nrmse, parts};
 use crate::cause::selection_input::SelectionInput;
 use crate::fitting::fitted::Fitted;
@@ -46,6 +47,8 @@ pub(crate) struct Lead<'g> {
     pub(crate) p_leftover: Option<f64>,
     /// Against the base.
     pub(crate) held_out: HeldOut,
+    /// Of each part of it whether others lie on both sides of it in the variables of all laws.
+    pub(crate) between: Vec<bool>,
 }
 
 /// Looks at a misfit beside the base; `beside_base` are the directions of the equations there.
@@ -71,6 +74,7 @@ pub(crate) fn look<'g>(
         let Some(Predicting {
             model: next,
             held_out,
+            between,
             log_odds,
         }) = round.predicting(input, current, before)
         else {
@@ -83,11 +87,13 @@ pub(crate) fn look<'g>(
         }
         let after = held_out.after.clone();
         if is_told {
-            laws.push(round.described(input, &next, &held_out));
+            laws.push(round.described(input, &next, &judged(&held_out, &between)));
         }
         let p_leftover = is_told.then(|| input.p_of(&next));
         let is_more = left_part(base, &next) >= NEXT_FROM_PART;
+        let earlier = lead.map_or_else(|| vec![true; between.len()], |lead| lead.between);
         lead = Some(Lead {
+            between: earlier.iter().zip(&between).map(|(a, b)| *a && *b).collect(),
             p_leftover,
             held_out: HeldOut {
                 before: by_base.clone(),
@@ -135,10 +141,22 @@ fn left_part(base: &Fitted, model: &Fitted) -> f64 {
     beyond(model) / beyond(base).max(f64::MIN_POSITIVE)
 }
 
+/// The parts on which a law is judged: those that others lie on both sides of, or all where there are none.
+fn judged(held_out: &HeldOut, is_between: &[bool]) -> HeldOut {
+    let of_all = vec![true; is_between.len()];
+    let between = if is_between.contains(&true) {
+        is_between
+    } else {
+        &of_all
+    };
+    held_out.only(between, true)
+}
+
 /// A model with what it predicts of what it has not seen.
 struct Predicting<'g> {
     model: Fitted<'g>,
     held_out: HeldOut,
+    between: Vec<bool>,
     log_odds: f64,
 }
 
@@ -215,6 +233,7 @@ impl<'g> Round<'g> {
             Predicting {
                 log_odds: held_out.log_odds(input.group, variable, current, &model),
                 held_out,
+                between: between(input.group, variable),
                 model,
             }
         };

@@ -9,6 +9,7 @@ use ieap_domain::{
 };
 
 use crate::cause::evidence::{Varying, by_voltage};
+use crate::cause::proof::by_size::between;
 use crate::cause::proof::held_out::{HeldOut, Part};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::profile::profiles;
@@ -174,7 +175,7 @@ impl<'g> FindingBuilder<'_, 'g> {
                 before: lines.after.clone(),
                 after: lead.held_out.after.clone(),
             };
-            both.log_odds_between(self.group, Some("voltage_v"))
+            both.log_odds_between(&between(self.group, Some("voltage_v")))
         });
         beside.is_some_and(|law_over_lines| law_over_lines < 0.0)
     }
@@ -189,7 +190,8 @@ impl<'g> FindingBuilder<'_, 'g> {
             return;
         };
         let squares = (self.base.square, varying.square());
-        let gain = gain_of_runs(self.group, squares, &held_out);
+        let of_voltage = between(self.group, Some("voltage_v"));
+        let gain = gain_of_runs(self.group, squares, &held_out, &of_voltage);
         if !gain.proof.is_clear() {
             found.remarks.extend(by_voltage::next_in_words(self.group));
         }
@@ -200,7 +202,7 @@ impl<'g> FindingBuilder<'_, 'g> {
     fn add_lead(&self, found: &mut GroupDiagnosis, lead: &Lead<'g>) {
         let model = &lead.model;
         found.p_leftover = lead.p_leftover;
-        found.gain = Some(gain(self.group, self.base, model, &lead.held_out));
+        found.gain = Some(gain(self.group, self.base, model, lead));
         found.residuals = paired(std::mem::take(&mut found.residuals), &self.drawn(model));
         let of = |parts: &[Part]| {
             parts

@@ -5,35 +5,48 @@ use ieap_domain::{Gain, HeldOutGain, Prediction};
 use crate::cause::proof::held_out::{self, HeldOut, Part, nrmse, sum};
 use crate::cause::proof::later::later_parts;
 use crate::fitting::fitted::Fitted;
+use crate::missing::look::Lead;
 use crate::readings::group::RunGroup;
 use crate::readings::quantities::{self, NAMES, Predicted};
 
 /// The gain of `extended` over `base`.
-pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, held_out: &HeldOut) -> Gain {
+pub(crate) fn gain(group: &RunGroup, base: &Fitted, extended: &Fitted, lead: &Lead) -> Gain {
     let later = [later_parts(base, group), later_parts(extended, group)];
     let [later_before, later_after] = &later;
     Gain {
         later: (!later_after.is_empty()).then(|| of_parts(group, later_before, later_after)),
-        ..gain_of_runs(group, (base.square, extended.square), held_out)
+        ..gain_of_runs(
+            group,
+            (base.square, extended.square),
+            &lead.held_out,
+            &lead.between,
+        )
     }
 }
 
-/// The gain on runs alone, of models that leave these sums of squares of all readings, before and after.
-pub(crate) fn gain_of_runs(group: &RunGroup, (before, after): (f64, f64), held_out: &HeldOut) -> Gain {
+/// The gain on runs alone, of models that leave these sums of squares of all readings, before and after: on the parts that others
+/// lie on both sides of, where there are such, and apart from these on the others.
+pub(crate) fn gain_of_runs(
+    group: &RunGroup,
+    (before, after): (f64, f64),
+    held_out: &HeldOut,
+    between: &[bool],
+) -> Gain {
     let rms = |square: f64| (square / group.rows().max(1) as f64).sqrt();
+    let [within, outside] = [true, false].map(|is_so| held_out.only(between, is_so));
+    let (held_out, outside) = match (within.after.is_empty(), outside.after.is_empty()) {
+        (true, _) => (outside, None),
+        (false, is_none) => (within, (!is_none).then_some(outside)),
+    };
     Gain {
         held_out: held_out::kind(group).to_owned(),
-        proof: proof(group, held_out),
+        proof: of_parts(group, &held_out.before, &held_out.after),
+        outside: outside.map(|own| of_parts(group, &own.before, &own.after)),
         predictions: predictions(&predicted(&held_out.before), &predicted(&held_out.after)),
         residual_rms_sigma_before: rms(before),
         residual_rms_sigma_after: rms(after),
         later: None,
     }
-}
-
-/// The gain on what was held out.
-pub(crate) fn proof(group: &RunGroup, held_out: &HeldOut) -> HeldOutGain {
-    of_parts(group, &held_out.before, &held_out.after)
 }
 
 /// The gain on parts that were held out of both models.

@@ -4,9 +4,6 @@ use crate::number::significant;
 use crate::words::in_a_row;
 use crate::{HeldOutGain, Prediction};
 
-/// An error grows that grows by more than a tenth: less is noise of what is compared. Chosen.
-const GROWN_PARTS: f64 = 1.1;
-
 /// An error of what was predicted, by the base model and with the extension, as every medium prints it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StatedError {
@@ -18,21 +15,26 @@ pub struct StatedError {
     pub before: String,
     /// The same with the extension.
     pub after: String,
-    /// Whether it is clearly larger with the extension.
+    /// Whether it is larger with the extension, as printed.
     pub grows: bool,
+    /// Whether by more than the error of so many parts is known to.
+    pub grows_clearly: bool,
     /// Whether it is smaller with the extension, as printed.
     pub falls: bool,
 }
 
 /// The errors that are stated of held-out readings: of the channels, then of what a user predicts.
 pub fn errors(gain: &HeldOutGain, predictions: &[Prediction]) -> Vec<StatedError> {
+    // What errs within a run errs together, so that a mean square of as many parts has a standard error of this part of its root.
+    let known_to = (2.0 * gain.parts.len().max(1) as f64).sqrt().recip();
     let stated = |of: &str, is_of_range: bool, before: f64, after: f64| {
         let [before_text, after_text] =
             [before, after].map(|percent| format!("{} %", significant(percent, 2)));
         StatedError {
             of: of.to_owned(),
             is_of_range,
-            grows: after > GROWN_PARTS * before,
+            grows: after > before && after_text != before_text,
+            grows_clearly: after > (1.0 + known_to) * before,
             falls: after < before && after_text != before_text,
             before: before_text,
             after: after_text,
@@ -61,7 +63,7 @@ pub fn errors(gain: &HeldOutGain, predictions: &[Prediction]) -> Vec<StatedError
 }
 
 /// `With it all 3 held-out runs are predicted better: the error of the current falls from 39 % to 1.8 %.`; only what
-/// grows and falls where a stated error grows.
+/// falls, and grows beyond doubt, where a stated error grows.
 pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Prediction]) -> String {
     let stated = errors(gain, predictions);
     let (better, all) = gain.better_parts();
@@ -72,7 +74,8 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
         (false, _) if better == 0 => format!("none of the {what}"),
         (false, _) => format!("{better} of {all} {what}"),
     };
-    let are = if better < all && better < 2 { "is" } else { "are" };
+    let is_one = all == 1 || (better < all && better < 2);
+    let are = if is_one { "is" } else { "are" };
     let sum = match gain.deviance > 0.0 {
         _ if gain.is_clear() => "",
         true => ", which may be chance",
@@ -92,12 +95,21 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
         });
         in_a_row(&each.collect::<Vec<_>>())
     };
-    let (worse, others): (Vec<&StatedError>, Vec<&StatedError>) =
-        stated.iter().partition(|error| error.grows);
     let is_told = |error: &&StatedError| error.is_of_range && error.falls;
-    let better: Vec<&StatedError> = others.into_iter().filter(is_told).collect();
+    let better: Vec<&StatedError> = stated.iter().filter(is_told).collect();
+    let is_worse = |error: &&StatedError| error.grows && (error.grows_clearly || better.is_empty());
+    let worse: Vec<&StatedError> = stated.iter().filter(is_worse).collect();
+    let is_any_larger = stated.iter().any(|error| error.grows);
+    let what = if all == 1 {
+        format!("the {what}")
+    } else {
+        what.to_owned()
+    };
     match (better.is_empty(), worse.is_empty()) {
         (true, true) => format!("With {with} {which} {are} predicted better{sum}."),
+        (false, true) if is_any_larger => {
+            format!("With {with} {} in {what}.", said(better, "falls", "the error"))
+        }
         (false, true) => format!(
             "With {with} {which} {are} predicted better{sum}: {}.",
             said(better, "falls", "the error")

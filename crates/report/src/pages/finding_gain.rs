@@ -129,6 +129,11 @@ pub fn gain_section(found: &GroupDiagnosis) -> Option<GainSection> {
         _ => (format!("What the {subject} gains"), ""),
     };
     let mut blocks = vec![proof(gain, found.runs.len(), subject)];
+    blocks.extend(
+        gain.outside
+            .as_ref()
+            .map(|outside| outside_block(outside, subject)),
+    );
     blocks.extend(gain.later.as_ref().map(|later| later_block(later, subject)));
     Some(GainSection {
         heading,
@@ -150,13 +155,22 @@ fn proof(gain: &Gain, runs: usize, subject: &str) -> GainBlock {
         ),
         _ => ("Runs left out", "runs that took no part in the fit"),
     };
-    let mut block = block(heading, what, (&gain.proof, &gain.predictions), subject);
+    let what = match gain.outside {
+        Some(_) => format!("{what} and lie between others"),
+        None => what.to_owned(),
+    };
+    let mut block = block(heading, &what, (&gain.proof, &gain.predictions), subject);
     block.rows.push([
         "Residuals of the fit to all readings, in σ of the noise".to_owned(),
         significant(gain.residual_rms_sigma_before, 3),
         significant(gain.residual_rms_sigma_after, 3),
     ]);
     block
+}
+
+fn outside_block(outside: &HeldOutGain, subject: &str) -> GainBlock {
+    let what = "runs that took no part in the fit and lie outside what the others measured";
+    block("Outside what the others measured", what, (outside, &[]), subject)
 }
 
 fn later_block(later: &HeldOutGain, subject: &str) -> GainBlock {

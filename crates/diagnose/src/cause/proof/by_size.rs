@@ -1,6 +1,6 @@
 //! Whether a law predicts what it has not seen better, by the size of the error and beyond its doubt.
 
-use super::held_out::{HeldOut, Part, drives};
+use super::held_out::{HeldOut, OF_TIME, Part, drives};
 use super::later::later_parts;
 use crate::cause::policy::BESIDE_PART;
 use crate::fitting::fitted::Fitted;
@@ -28,27 +28,33 @@ impl HeldOut {
         if group.runs.len() < 2 {
             return log_odds(&self.before, &self.after);
         }
-        self.log_odds_between(group, variable)
+        self.log_odds_between(&between(group, variable))
             .unwrap_or_else(|| log_odds(&later_parts(before, group), &later_parts(after, group)))
     }
 
     /// The same on the drives alone that others lie on both sides of; none where there are none.
-    pub(crate) fn log_odds_between(&self, group: &RunGroup, variable: Option<&str>) -> Option<f64> {
-        let between = between(group, variable);
-        let kept = |parts: &[Part]| -> Vec<Part> {
-            let each = parts.iter().zip(&between);
-            each.filter(|(_, is_between)| **is_between)
-                .map(|(part, _)| part.clone())
-                .collect()
+    pub(crate) fn log_odds_between(&self, between: &[bool]) -> Option<f64> {
+        let kept = self.only(between, true);
+        (!kept.after.is_empty()).then(|| log_odds(&kept.before, &kept.after))
+    }
+
+    /// The parts of which it is so that others lie on both sides of them, or not.
+    pub(crate) fn only(&self, between: &[bool], is_so: bool) -> HeldOut {
+        let kept = |parts: &[Part]| {
+            let each = parts.iter().zip(between);
+            let kept = each.filter(|(_, is_between)| **is_between == is_so);
+            kept.map(|(part, _)| part.clone()).collect()
         };
-        let is_any = between.contains(&true);
-        is_any.then(|| log_odds(&kept(&self.before), &kept(&self.after)))
+        HeldOut {
+            before: kept(&self.before),
+            after: kept(&self.after),
+        }
     }
 }
 
-/// Of every drive that is held out, whether others lie beyond it in the variable: in time by their length, in all else by their
-/// voltage, and of a law of the voltage on its other side too.
-fn between(group: &RunGroup, variable: Option<&str>) -> Vec<bool> {
+/// Of everything that is held out, whether others lie beyond it in the variable: in time by their length, in all else by their
+/// voltage, and of a law of the voltage on its other side too. Times of a single run are all within it.
+pub(crate) fn between(group: &RunGroup, variable: Option<&str>) -> Vec<bool> {
     let reach = |run: usize| match variable {
         Some("time_s" | "time_since_edge_s" | "time_constant_s") => group.runs[run].duration_s,
         _ => group.runs[run].drive().largest_v().abs(),
@@ -59,5 +65,8 @@ fn between(group: &RunGroup, variable: Option<&str>) -> Vec<bool> {
         let is_below = others.clone().any(|other| own <= (1.0 + BESIDE_PART) * other);
         is_below && (variable != Some("voltage_v") || others.any(|other| own >= (1.0 - BESIDE_PART) * other))
     };
+    if group.runs.len() < 2 {
+        return vec![true; OF_TIME.len()];
+    }
     drives(group).iter().map(of_drive).collect()
 }

@@ -23,14 +23,14 @@ pub(crate) const REFIT: u64 = HELD;
 pub(crate) const SETTLE: f64 = 0.05;
 /// Parts of a single run's time that are held out in turn: the middle of its logarithm by what surrounds it, for what
 /// happens after a step happens there, and the end by the rest.
-const OF_TIME: [HeldOutTime; 2] = [
+pub(super) const OF_TIME: [HeldOutTime; 2] = [
     HeldOutTime::OfLogarithm(HELD_OUT_OF_LOG.0, HELD_OUT_OF_LOG.1),
     HeldOutTime::OfTime(EARLIER_PART, 1.0),
 ];
 
 /// A stretch of a run's time, as parts of it or of its logarithm.
 #[derive(Debug, Clone, Copy)]
-enum HeldOutTime {
+pub(super) enum HeldOutTime {
     OfLogarithm(f64, f64),
     OfTime(f64, f64),
 }
