@@ -114,7 +114,7 @@ string_enum! {
     pub enum Certainty {
         /// At most one in twenty of those said so is false.
         Sure = "sure",
-        /// It differs by itself, in a study of which something is sure.
+        /// It differs with a chance of 0.8 or more, by all answers.
         Likely = "likely",
         /// Nothing is said.
         Open = "open",
