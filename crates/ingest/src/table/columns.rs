@@ -116,10 +116,10 @@ pub fn said_by_unit(headers: &[Header], is_asked: impl Fn(Quantity) -> bool) -> 
             }
             (false, rival) => {
                 let rival = rival.map_or(String::new(), |rival| {
-                    format!(" and column {rival} has such a unit, too")
+                    format!(", and column {rival} has such a unit, too")
                 });
                 let message = format!(
-                    "{open}; by its unit it may be the {label},{rival}; it is kept under its own name"
+                    "{open}; by its unit it may be the {label}{rival}; it is kept under its own name"
                 );
                 Issue::note(BY_UNIT, message)
             }
