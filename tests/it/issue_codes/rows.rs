@@ -72,6 +72,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("database-made-anew", By("tests/it/schema_17.rs", "words_and_numbers_are_those_of_before")),
     ("database-not-opened", By("tests/it/verify.rs", "a_number_that_changed_is_found_and_a_rebuilding_mends_it")),
     ("date-uncertain", Format("ivium-text/ca.comma_cut.txt")),
+    ("decided-by-unit", By("crates/ingest/src/table/columns.rs", "what_a_unit_alone_decided_is_said_with_the_column_that_could_be_it_too")),
     ("decimal-marks-differ", By("crates/ingest/tests/reading_cases/names_and_blocks.rs", "a_column_has_its_own_decimal_mark")),
     ("displacement-zero", By("src/pipeline/intake/ingest/places.rs", "a_sensor_that_was_not_zeroed_is_told_with_what_a_bent_strip_would_be")),
     ("displacement-beyond-strip", By("src/pipeline/intake/ingest/places.rs", "a_tip_that_moves_further_than_the_strip_is_long_is_in_another_unit")),

@@ -6,12 +6,13 @@ use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_domain::tag::keys;
 use ieap_domain::words::in_a_row;
 use ieap_domain::{Campaign, ModulusAnalysis, ModulusLog};
+use ieap_numerics::mixed::Mixture;
 use ieap_show::Block;
 
 use super::charts;
 use super::levels::{WholeSpan, whole_span};
 use super::sheet::{first_steps, humidity, round_trip, steps};
-use crate::study::factor;
+use crate::study::{Beside, factor};
 
 /// Everything, what the humidity does first.
 pub fn view(logs: &[ModulusLog], campaign: &Campaign) -> Vec<Block> {
@@ -54,27 +55,26 @@ pub fn findings(logs: &[ModulusLog]) -> Vec<String> {
 }
 
 /// What the overview says of the logs in a sentence, the largest changes first; none where no modulus changed.
-pub fn in_short(logs: &[ModulusLog]) -> Option<String> {
+pub fn in_short(logs: &[ModulusLog]) -> Option<Beside> {
     let of = |(log, found)| Some((name(log), Change::of(found)?));
     let mut changes: Vec<(&str, Change)> = analysed(logs).filter_map(of).collect();
     changes.retain(|(_, own)| own.is_told());
-    changes.sort_by(|a, b| {
-        b.1.ratio(b.1.percent)
-            .ln()
-            .abs()
-            .total_cmp(&a.1.ratio(a.1.percent).ln().abs())
-    });
-    let span = changes.first()?.1.span.clone();
+    changes.sort_by(|a, b| b.1.rank().total_cmp(&a.1.rank()));
+    let (_, first) = changes.first()?;
     let said = changes.iter().take(MOST_TOLD).map(|(name, own)| {
         let [value, low, high] = [own.percent, own.ends.0, own.ends.1].map(|percent| own.ratio(percent));
-        let from = if own.span == span {
+        let from = if own.span == first.span {
             String::new()
         } else {
             format!(" from {}", own.span)
         };
         format!("|E*| of {name} {}{from}", factor(value, Some(low), Some(high)))
     });
-    Some(format!("From {span} {}.", in_a_row(&said.collect::<Vec<_>>())))
+    let said: Vec<String> = said.collect();
+    Some(Beside {
+        rank: first.rank(),
+        text: format!("From {} {}.", first.span, in_a_row(&said)),
+    })
 }
 
 /// Modulus logs of which the overview tells at most. Chosen: a line.
@@ -117,6 +117,16 @@ impl Change {
     /// Whether its interval holds no value without a change.
     fn is_told(&self) -> bool {
         self.ends.0 > 0.0 || self.ends.1 < 0.0
+    }
+
+    /// As answers of the study are ranked: the same bending moment bends a strip by so much less as it is stiffer.
+    fn rank(&self) -> f64 {
+        let chance = if self.error > 0.0 {
+            Mixture::normal(self.percent, self.error).chance_of_none()
+        } else {
+            0.0
+        };
+        self.ratio(self.percent).ln().abs() * (1.0 - chance)
     }
 
     fn ratio(&self, percent: f64) -> f64 {

@@ -114,7 +114,7 @@ string_enum! {
     pub enum Certainty {
         /// At most one in twenty of those said so is false.
         Sure = "sure",
-        /// It differs by itself, in a study of which something is sure.
+        /// It differs with a chance of 0.8 or more, by all answers.
         Likely = "likely",
         /// Nothing is said.
         Open = "open",
@@ -130,8 +130,6 @@ pub struct InScope {
     pub low_95: f64,
     /// Upper end.
     pub high_95: f64,
-    /// None: the interval is that of a mixture over the scatters, which has no degrees of freedom.
-    pub degrees_of_freedom: Option<f64>,
     /// Chance of a number as far from none.
     pub p: f64,
     /// The same over all that was asked and is told in this scope.
@@ -217,8 +215,6 @@ pub struct Answer {
     pub basis: Basis,
     /// Standard deviation from run to run, percent of the parameter, or points.
     pub scatter: Option<f64>,
-    /// None: the interval is that of a mixture over the scatters, which has no degrees of freedom.
-    pub degrees_of_freedom: Option<f64>,
     /// Scatter from run to run, percent or points, that would undo the difference; of one run a condition.
     pub undone_by_scatter: Option<f64>,
     /// An effect is no larger than this, percent or points (95 %); of a law over all of its range, of a curve at any of the times.

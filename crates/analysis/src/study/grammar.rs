@@ -14,7 +14,7 @@ pub const UNTOLD: &str = "cannot be told";
 pub(super) enum Standing {
     /// It differs.
     Sure,
-    /// It does by itself, in a study of which something is sure.
+    /// It does so likely.
     Probably,
     /// It does in the strips as they were measured, and that is open of their material.
     InStrips,

@@ -4,6 +4,7 @@ use super::answer::{Answer, Basis, Certainty, InScope, Kind, Scale, Scope, Verdi
 use super::grammar::{by_voltage, loses, loses_by_voltage, shows};
 use super::made::Study;
 use super::said::lead;
+use super::screen::{Beside, first_screen};
 use super::words::sentence;
 
 /// An answer that shows that number.
@@ -33,7 +34,6 @@ fn answer(value: f64, ends: (f64, f64)) -> Answer {
         at_most: None,
         basis: Basis::Repeats,
         scatter: None,
-        degrees_of_freedom: None,
         undone_by_scatter: None,
         no_more_than: Some(160.0),
         p: Some(0.01),
@@ -122,7 +122,6 @@ fn what_strips_show_is_said_of_them() {
         value: 2.0,
         low_95: 1.8,
         high_95: 2.2,
-        degrees_of_freedom: None,
         p: 1e-4,
         q: Some(1e-3),
         is_shown: true,
@@ -264,4 +263,23 @@ fn a_voltage_whose_interval_holds_no_change_is_no_change() {
         lead(&study, "CNaf").join(" "),
         "In air, against vacuum, CNaf's back-relaxation rate λ rises 3.5-fold (1.4 to 9.0)."
     );
+}
+
+#[test]
+fn what_was_found_beside_stands_where_its_size_puts_it() {
+    let study = Study {
+        answers: vec![answer(3.47, (3.29, 3.66))],
+        ..Study::default()
+    };
+    let own = first_screen(&study, None);
+    assert_eq!(own.len(), 1);
+    let with = |rank, text: &str| {
+        let text = text.to_owned();
+        first_screen(&study, Some(&Beside { rank, text }))
+    };
+    let modulus = "From 20 to 80 % RH |E*| of N1 falls to 30 %.";
+    // Lambda rises by exp 1.24.
+    assert_eq!(with(1.3, modulus), [modulus.to_owned(), own[0].clone()]);
+    assert_eq!(with(1.1, modulus), [own[0].clone(), modulus.to_owned()]);
+    assert_eq!(with(1.1, &"word ".repeat(90)), own);
 }

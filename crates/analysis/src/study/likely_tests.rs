@@ -102,7 +102,7 @@ fn counted(size: f64, seeds: std::ops::Range<u64>) -> Counts {
             of[0] += 1;
             of[1] += usize::from(is_false);
         }
-        let screen = first_screen(&study).join(" ");
+        let screen = first_screen(&study, None).join(" ");
         let says = |word: &str| screen.contains(word);
         counts.open_with_a_change += usize::from([" rises ", " falls ", " loses "].into_iter().any(says));
     }

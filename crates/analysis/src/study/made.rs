@@ -11,10 +11,10 @@ use super::asked::Asked;
 use super::evidence::Evidence;
 use super::measured::distinct;
 use super::odd::OddValue;
-use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LIKELY_BELOW};
+use super::policy::{ALIKE_PERCENT, ALIKE_POINTS, LIKELY_FROM};
 use crate::cache::Cache;
 use crate::conditions::{Conditions, conditions_of_materials};
-use crate::false_discovery::{CLAIMED_BELOW, q_values};
+use crate::false_discovery::{CLAIMED_BELOW, chances_of_difference, q_values};
 use crate::laws::facts::facts;
 
 /// Why a run takes part in no answer of which two sources say different things.
@@ -180,7 +180,7 @@ fn varied(conditions: &Conditions) -> Vec<Factor> {
     .collect()
 }
 
-/// Fills in the q of every answer, by families (parameters, whole curves, laws of what else differs, details of parameters and
+/// Fills in the q of every answer and how sure it is, by families (parameters, whole curves, laws of what else differs, details of parameters and
 /// of curves; in each of them what is told in the other scope by itself), and what it shows. What is said of parameters is the
 /// same whether curves are read or not.
 fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
@@ -190,8 +190,15 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
             .filter(|own| family(own) == of_family && own.p.is_some())
             .collect();
         let p: Vec<f64> = judged.iter().filter_map(|own| own.p).collect();
-        for (own, q) in judged.iter_mut().zip(q_values(&p)) {
+        for ((own, q), chance) in judged.iter_mut().zip(q_values(&p)).zip(chances_of_difference(&p)) {
             own.q = Some(q);
+            // What is said to be likely has an interval without "none".
+            let is_likely = chance >= LIKELY_FROM && own.p.is_some_and(|p| p <= CLAIMED_BELOW);
+            own.certainty = if is_likely {
+                Certainty::Likely
+            } else {
+                Certainty::Open
+            };
         }
         for scope in Scope::ALL {
             let mut told: Vec<&mut InScope> =
@@ -215,23 +222,9 @@ fn judge(answers: &mut [Answer], alike_percent: Option<f64>) {
             None if own.value.is_some() => Verdict::Open,
             None => Verdict::NotTold,
         };
-    }
-    // Where nothing is sure, the likeliest of many is what chance brings.
-    let some_is_sure = [false, true].map(|is_of_curve| {
-        let mut all = answers.iter().filter(|own| own.is_of_curve() == is_of_curve);
-        all.any(|own| own.verdict == Verdict::Differs)
-    });
-    let is_below = |of: Option<f64>, most: f64| of.is_some_and(|of| of <= most);
-    for own in answers.iter_mut() {
         own.certainty = match own.verdict {
             Verdict::Differs | Verdict::Alike => Certainty::Sure,
-            Verdict::Open
-                if some_is_sure[usize::from(own.is_of_curve())]
-                    && is_below(own.q, LIKELY_BELOW)
-                    && is_below(own.p, CLAIMED_BELOW) =>
-            {
-                Certainty::Likely
-            }
+            Verdict::Open if own.q.is_some() => own.certainty,
             _ => Certainty::Open,
         };
     }

@@ -9,12 +9,10 @@ pub const ALIKE_POINTS: f64 = 15.0;
 pub const FEWEST_LEVELS: usize = 3;
 /// Times that two curves must have in common for an answer about all of them: fewer than a decade is no whole curve. Chosen.
 pub const FEWEST_TIMES: usize = 4;
-/// Chance from which on something is likely. Environments that are likely to differ by what counts as a change have no mean that
-/// is told: it would be of neither, and two answers of what does not differ say the same twice. Chosen.
+/// Chance from which on something is likely, as people mean it: right in eight of ten. Environments that are likely to differ by what counts as a change have no mean that
+/// is told: it would be of neither, and two answers of what does not differ say the same twice. `cargo test -p ieap-analysis --lib study::likely -- --include-ignored
+/// --nocapture` counts what follows of answers that are likely.
 pub const LIKELY_FROM: f64 = 0.8;
-/// Largest q of what is likely, what is sure counted with it. Chosen; `cargo test -p ieap-analysis --lib study::likely --
-/// --include-ignored --nocapture` counts what follows: with nothing hidden nothing is likely in 60 campaigns.
-pub const LIKELY_BELOW: f64 = 0.1;
 /// Surroundings up to which every pair is compared; of more, each with the first. Chosen: six pairs can be read.
 pub const MOST_FOR_ALL_PAIRS: usize = 4;
 /// Values that must be left over for what single runs leave to be a scatter: of one the interval reaches 13 standard errors and

@@ -12,13 +12,13 @@ use super::grammar::{
 };
 use super::made::Study;
 use super::measures::{BENDING_CURVE, BENDING_LOST, BENDING_PER_VOLT, CURRENT_CURVE};
-use super::policy::{FIRST_SCREEN_WORDS, MOST_OF_MATERIAL, TOLD_TOGETHER};
+use super::policy::TOLD_TOGETHER;
 use super::words::{at_voltages, name, symbol};
 use crate::parameters::COMPARED;
 
 /// A sentence: what one pair of conditions does, or does not, to some parameters of a material.
 #[derive(Clone)]
-struct Sentence<'a> {
+pub(super) struct Sentence<'a> {
     study: &'a Study,
     /// What is told, all of one pair.
     of: Vec<&'a Answer>,
@@ -28,7 +28,7 @@ struct Sentence<'a> {
 
 /// What has been said before, so that it is not said again.
 #[derive(Default)]
-struct Before<'a> {
+pub(super) struct Before<'a> {
     /// Parameters whose names were told.
     named: BTreeSet<&'static str>,
     material: Option<&'a str>,
@@ -44,56 +44,6 @@ pub fn lead(study: &Study, material: &str) -> Vec<String> {
         return nothing(study, material).into_iter().collect();
     }
     of.iter().map(|own| own.said(&mut before)).collect()
-}
-
-/// The first screen: a paragraph a material, what is known best first, in no more words than can be read at a glance.
-pub fn first_screen(study: &Study) -> Vec<String> {
-    let mut all: Vec<Vec<Sentence>> = study
-        .materials()
-        .into_iter()
-        .map(|of| ranked(study, of))
-        .collect();
-    all.retain(|own| !own.is_empty());
-    all.sort_by(|a, b| a[0].before(&b[0]));
-    let mut taken: Vec<Vec<Sentence>> = all.iter().map(|_| Vec::new()).collect();
-    // In turn, so that no material keeps the others out: what each says first, the rest of that sentence, then the next.
-    for turn in 0..2 * MOST_OF_MATERIAL {
-        for (at, own) in all.iter().enumerate() {
-            let Some(whole) = own.get(turn / 2) else {
-                continue;
-            };
-            let before = taken[at].clone();
-            taken[at].truncate(turn / 2);
-            if taken[at].len() < turn / 2 {
-                continue;
-            }
-            taken[at].push(if turn % 2 == 0 {
-                whole.first_alone()
-            } else {
-                whole.clone()
-            });
-            if words_of(&paragraphs(&taken).join(" ")) > FIRST_SCREEN_WORDS {
-                taken[at] = before;
-            }
-        }
-    }
-    paragraphs(&taken)
-}
-
-/// A paragraph of each that has a sentence.
-fn paragraphs(all: &[Vec<Sentence>]) -> Vec<String> {
-    let mut before = Before::default();
-    let said = all.iter().map(|own| {
-        let said: Vec<String> = own.iter().map(|own| own.said(&mut before)).collect();
-        said.join(" ")
-    });
-    said.filter(|own| !own.is_empty()).collect()
-}
-
-/// How many words a text has; a sign by itself is none.
-fn words_of(text: &str) -> usize {
-    let is_word = |own: &&str| own.chars().any(char::is_alphanumeric);
-    text.split_whitespace().filter(is_word).count()
 }
 
 /// Key of the parameter that a picture of what is told first shows.
@@ -114,7 +64,7 @@ pub(super) fn first(study: &Study) -> Option<&Answer> {
 }
 
 /// The sentences of a material: what changes, the largest first, then what does not.
-fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
+pub(super) fn ranked<'a>(study: &'a Study, material: &str) -> Vec<Sentence<'a>> {
     let mut pairs: Vec<Vec<&Answer>> = Vec::new();
     for own in study
         .asked()
@@ -193,10 +143,14 @@ fn unchanged<'a>(study: &'a Study, of: &[&'a Answer]) -> Vec<&'a Answer> {
     if named.is_empty() { all } else { named }
 }
 
-/// What changes more stands first: by its size in what the strip does, times how sure it is.
+/// What changes more stands first.
 fn larger(a: &Answer, b: &Answer) -> Ordering {
-    let rank = |own: &Answer| size(own) * (1.0 - own.p.unwrap_or(1.0));
     rank(b).total_cmp(&rank(a))
+}
+
+/// The size of a change in what the strip does, times how sure it is.
+fn rank(own: &Answer) -> f64 {
+    size(own) * (1.0 - own.p.unwrap_or(1.0))
 }
 
 /// Size of a change as a logarithm, of a law over all of its range; of parts of a whole as the logarithm of what is left.
@@ -282,7 +236,7 @@ fn nothing(study: &Study, material: &str) -> Option<String> {
 
 impl<'a> Sentence<'a> {
     /// The same of what it tells first, where it tells a change.
-    fn first_alone(&self) -> Sentence<'a> {
+    pub(super) fn first_alone(&self) -> Sentence<'a> {
         let told = if self.is_alike { self.of.len() } else { 1 };
         Sentence {
             of: self.of[..told].to_vec(),
@@ -291,12 +245,20 @@ impl<'a> Sentence<'a> {
     }
 
     /// What is known best stands first, and what does not change behind what does.
-    fn before(&self, other: &Self) -> Ordering {
-        let known = |own: &Self| told_by(own.study, own.of[0]);
-        (self.is_alike.cmp(&other.is_alike)).then_with(|| larger(known(self), known(other)))
+    pub(super) fn before(&self, other: &Self) -> Ordering {
+        (self.is_alike.cmp(&other.is_alike)).then_with(|| larger(self.known(), other.known()))
     }
 
-    fn said(&self, before: &mut Before<'a>) -> String {
+    /// Whether it stands before an answer of that rank.
+    pub(super) fn is_before(&self, other: f64) -> bool {
+        !self.is_alike && rank(self.known()) >= other
+    }
+
+    fn known(&self) -> &'a Answer {
+        told_by(self.study, self.of[0])
+    }
+
+    pub(super) fn said(&self, before: &mut Before<'a>) -> String {
         let first = self.of[0];
         let is_new = before.material != Some(first.material.as_str());
         let place = head(first);

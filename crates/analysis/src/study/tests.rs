@@ -412,7 +412,6 @@ fn one_run_a_condition_says_three_things() {
         .find(|own| own.parameter == KEYS[0] && own.material == "CPvf" && own.upper == "inert")
         .unwrap();
     assert_eq!((own.basis, own.samples), (Basis::DryPair, 1));
-    assert_eq!(own.degrees_of_freedom, None);
     let (fits, all) = (
         own.fits_high_95.unwrap() / own.fits_low_95.unwrap(),
         own.high_95.unwrap() / own.low_95.unwrap(),

@@ -2,11 +2,11 @@
 //! readings beside them and by no list: they leap out of the neighbours' scatter and come back, always to the same number,
 //! which no reading of the course comes to.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::policy::{
-    BESIDE_A_CODE, CODE_LEAP, CODE_SHARE, FEWEST_FOR_CODES, LONGEST_CODE_IN_RESPONSE, SURE_CODE_LEAP,
-    ZERO_ROWS,
+    BESIDE_A_CODE, CODE_LEAP, CODE_SHARE, FEWEST_FOR_CODES, LONGEST_CODE_IN_RESPONSE, MOST_CODES,
+    SURE_CODE_LEAP, ZERO_ROWS,
 };
 use ieap_domain::Quantity;
 
@@ -25,23 +25,26 @@ pub fn codes(quantity: Quantity, numbers: &[f64]) -> BTreeSet<u64> {
     if finite.len() < FEWEST_FOR_CODES || !(is_of_air || is_response) {
         return BTreeSet::new();
     }
-    let runs = runs(&finite);
-    let leaps: Vec<f64> = runs.iter().map(|run| leap(&runs, run)).collect();
-    let scatter = scatter(&runs, &leaps);
-    if scatter <= 0.0 {
-        return BTreeSet::new();
+    // The farthest first: what stood between readings is no neighbour that others are held against.
+    let (mut left, mut found) = (finite.clone(), BTreeSet::new());
+    while let Some(code) = farthest(&left, is_response) {
+        found.insert(code);
+        left.retain(|number| number.to_bits() != code);
+        let taken = finite.len() - left.len();
+        // What stands in most rows is the course, and so is what comes in many numbers.
+        if taken as f64 > CODE_SHARE * finite.len() as f64 || found.len() > MOST_CODES {
+            return BTreeSet::new();
+        }
     }
-    let is_far = |bits: u64, factor: f64| {
-        let own = || {
-            runs.iter()
-                .zip(&leaps)
-                .filter(move |(run, _)| run.value.to_bits() == bits)
-        };
-        own().all(|(_, leap)| *leap > factor * scatter)
-    };
-    let suspects: BTreeSet<u64> = (runs.iter())
-        .map(|run| run.value.to_bits())
-        .filter(|bits| is_far(*bits, CODE_LEAP))
+    found
+}
+
+/// That number which stands for no reading and lies farthest from the others, by its bits; none where none does.
+fn farthest(finite: &[f64], is_response: bool) -> Option<u64> {
+    let runs = runs(finite);
+    let course = Course::of(&runs);
+    let suspects: BTreeSet<u64> = (course.own.keys().copied())
+        .filter(|bits| course.is_far(*bits, CODE_LEAP))
         .collect();
     let rest = || {
         finite
@@ -53,34 +56,25 @@ pub fn codes(quantity: Quantity, numbers: &[f64]) -> BTreeSet<u64> {
         (low.min(number), high.max(number))
     });
     let has_decimals = rest().any(|number| number.fract() != 0.0);
+    let gap = |bits: &u64| (low - f64::from_bits(*bits)).max(f64::from_bits(*bits) - high);
     let is_code = |bits: &u64| {
-        let value = f64::from_bits(*bits);
-        let own: Vec<&Run> = runs.iter().filter(|run| run.value.to_bits() == *bits).collect();
-        let gap = (low - value).max(value - high);
-        let is_round = value.fract() == 0.0 && has_decimals;
+        let own: Vec<&Run> = course.own[bits].iter().map(|at| &runs[*at]).collect();
+        let gap = gap(bits);
+        let is_round = f64::from_bits(*bits).fract() == 0.0 && has_decimals;
         let comes_again = own.len() > 1;
         let is_short = own.iter().all(|run| run.count <= LONGEST_CODE_IN_RESPONSE);
         // One number twice, farther away than all others lie from each other, is no course either.
         let stays = own.iter().any(|run| run.count > 1) && gap >= CODE_LEAP * (high - low);
-        let leaps_far = is_far(*bits, SURE_CODE_LEAP) && (comes_again || is_round || stays);
+        let leaps_far = course.is_far(*bits, SURE_CODE_LEAP) && (comes_again || is_round || stays);
         let is_apart = gap > 0.0 && leaps_far;
         if is_response {
-            is_apart && is_short && comes_again && comes_back(&runs, &own, scatter)
+            is_apart && is_short && comes_again && comes_back(&runs, &own, course.scatter_without(*bits))
         } else {
             is_apart && (comes_again || gap >= high - low)
         }
     };
-    let found: BTreeSet<u64> = suspects.iter().copied().filter(is_code).collect();
-    let taken = finite
-        .iter()
-        .filter(|number| found.contains(&number.to_bits()))
-        .count();
-    // What stands in most rows is the course.
-    if taken as f64 <= CODE_SHARE * finite.len() as f64 {
-        found
-    } else {
-        BTreeSet::new()
-    }
+    let found = suspects.iter().filter(|bits| is_code(bits));
+    found.max_by(|a, b| gap(a).total_cmp(&gap(b))).copied()
 }
 
 /// Whether a quantity is of the surroundings, which follow no drive.
@@ -132,32 +126,84 @@ fn beside<'r>(runs: &'r [Run], run: &Run, forward: bool) -> impl Iterator<Item =
         .take(BESIDE_A_CODE)
 }
 
-/// How far a run lies from the middle of what stands beside it.
-fn leap(runs: &[Run], run: &Run) -> f64 {
+/// How far a run lies from the middle of what stands beside it: of two middles from the nearer, and from the farther.
+fn leap(runs: &[Run], run: &Run) -> (f64, f64) {
     let mut near: Vec<f64> = beside(runs, run, false)
         .chain(beside(runs, run, true))
         .map(|other| other.value)
         .collect();
     if near.is_empty() {
-        return 0.0;
+        return (0.0, 0.0);
     }
     near.sort_unstable_by(f64::total_cmp);
-    (run.value - near[near.len() / 2]).abs()
+    let from = |at: usize| (run.value - near[at]).abs();
+    let (one, other) = (from(near.len() / 2), from((near.len() - 1) / 2));
+    (one.min(other), one.max(other))
 }
 
-/// What readings usually lie from the middle of their neighbours, at least the least step between two of them.
-fn scatter(runs: &[Run], leaps: &[f64]) -> f64 {
-    let counted = runs.iter().zip(leaps);
-    let mut sorted: Vec<f64> = counted
-        .flat_map(|(run, leap)| std::iter::repeat_n(*leap, run.count))
-        .collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let usual = sorted[(sorted.len() * 3 / 4).min(sorted.len() - 1)];
-    let mut values: Vec<f64> = runs.iter().map(|run| run.value).collect();
-    values.sort_unstable_by(f64::total_cmp);
-    let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
-    let least = steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min);
-    usual.max(if least.is_finite() { least } else { 0.0 })
+/// How the numbers of a column follow each other.
+struct Course {
+    /// How far each run lies from what stands beside it, at least and at most.
+    leaps: Vec<(f64, f64)>,
+    /// How far each row does at most, from the least on.
+    sorted: Vec<f64>,
+    /// The rows of each run.
+    counts: Vec<usize>,
+    /// The least step between two numbers.
+    least: f64,
+    /// The places of the runs of each number, by its bits.
+    own: BTreeMap<u64, Vec<usize>>,
+}
+
+impl Course {
+    fn of(runs: &[Run]) -> Course {
+        let leaps: Vec<(f64, f64)> = runs.iter().map(|run| leap(runs, run)).collect();
+        let counted = runs.iter().zip(&leaps);
+        let rows = counted.flat_map(|(run, (_, most))| std::iter::repeat_n(*most, run.count));
+        let mut sorted: Vec<f64> = rows.collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let mut values: Vec<f64> = runs.iter().map(|run| run.value).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut own: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        for run in runs {
+            own.entry(run.value.to_bits()).or_default().push(run.at);
+        }
+        Course {
+            least: steps.filter(|step| *step > 1e-12).fold(f64::INFINITY, f64::min),
+            counts: runs.iter().map(|run| run.count).collect(),
+            leaps,
+            sorted,
+            own,
+        }
+    }
+
+    /// What all readings but those of one number usually lie from their neighbours, at least the least step between two: a
+    /// number is held against the others, so that one which stands often is no measure of itself.
+    fn scatter_without(&self, bits: u64) -> f64 {
+        let runs = self.own[&bits].iter();
+        let mut own: Vec<(f64, usize)> = runs.map(|at| (self.leaps[*at].1, self.counts[*at])).collect();
+        own.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let others = self.sorted.len() - own.iter().map(|(_, count)| count).sum::<usize>();
+        let mut at = others * 3 / 4;
+        for (leap, count) in own {
+            // What lies below in the order of all takes a place there.
+            if self.sorted.get(at).is_some_and(|usual| leap <= *usual) {
+                at += count;
+            }
+        }
+        self.sorted
+            .get(at)
+            .map_or(f64::INFINITY, |usual| usual.max(self.least))
+    }
+
+    /// Whether a number lies far from its neighbours wherever it stands.
+    fn is_far(&self, bits: u64, factor: f64) -> bool {
+        let scatter = self.scatter_without(bits);
+        self.own[&bits]
+            .iter()
+            .all(|at| self.leaps[*at].0 > factor * scatter)
+    }
 }
 
 /// Whether the course goes on behind each of these runs where it was before.
@@ -169,4 +215,36 @@ fn comes_back(runs: &[Run], own: &[&Run], scatter: f64) -> bool {
             .zip(after)
             .is_some_and(|(before, after)| (after.value - before.value).abs() <= CODE_LEAP * scatter)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(numbers: &[f64]) -> Vec<f64> {
+        let codes = codes(Quantity::Temperature, numbers);
+        codes.into_iter().map(f64::from_bits).collect()
+    }
+
+    #[test]
+    fn readings_among_codes_are_none_themselves() {
+        // The least readings stand between codes alone.
+        let mut course: Vec<f64> = [18.0, 150.0].repeat(4);
+        course.extend((0..60).map(|k| 18.1 + f64::from(k / 6 + k % 3) / 10.0));
+        assert_eq!(found(&course), [150.0]);
+    }
+
+    #[test]
+    fn a_code_in_a_third_of_the_rows_is_no_measure_of_itself() {
+        let course = |k: i32| 20.0 + f64::from(k % 7) / 10.0;
+        let numbers: Vec<f64> = (0..90)
+            .map(|k| if k % 3 == 1 { -127.0 } else { course(k) })
+            .collect();
+        assert_eq!(found(&numbers), [-127.0]);
+        // In every second row it may be the course.
+        let numbers: Vec<f64> = (0..90)
+            .map(|k| if k % 2 == 1 { -127.0 } else { course(k) })
+            .collect();
+        assert!(found(&numbers).is_empty());
+    }
 }

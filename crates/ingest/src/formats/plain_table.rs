@@ -4,6 +4,7 @@ use super::assemble::{Raw, assemble};
 use super::delimited;
 use super::recognition::{FileHead, Match};
 use super::{About, Format, ReadContext, ReadError};
+use crate::table::columns::said_by_unit;
 use crate::table::{self, layout, start, times, zone};
 use crate::text::header::Header;
 use crate::text::lines::lines_of;
@@ -96,6 +97,7 @@ pub fn runs(
         return side_by_side(lines, blocks, context, must_be_run, issues);
     }
     issues.extend(tables[0].layout.between(lines));
+    issues.extend(said_by_unit(&tables[0].headers, |_| true));
     if !tables[0].layout.own_numbers.is_empty() {
         let message = "columns have decimal marks of their own: a comma in some, a point in others; each is read by its own";
         issues.push(Issue::note("decimal-marks-differ", message));

@@ -51,7 +51,7 @@ pub(super) const ANSWER_FACTOR: f64 = 5.0;
 pub(super) const LARGER_RIVAL: f64 = 3.0;
 
 /// Readings on each side that a number is held against, which may stand for none. Chosen; `IEAP_LONG=1 cargo test -p ieap-ingest
-/// --test kinds codes` counts what follows from this and the next five.
+/// --test kinds codes` counts what follows from this and the next six.
 pub(super) const BESIDE_A_CODE: usize = 4;
 /// Rows that such a number may stand in one after the other in a response: those of a drive come in stretches. Chosen.
 pub(super) const LONGEST_CODE_IN_RESPONSE: usize = 2;
@@ -62,6 +62,8 @@ pub(super) const FEWEST_FOR_CODES: usize = 8;
 pub(super) const CODE_LEAP: f64 = 8.0;
 /// See [`CODE_LEAP`].
 pub(super) const SURE_CODE_LEAP: f64 = 30.0;
+/// Different numbers of a column that may stand for no reading. Chosen: a logger has one or two.
+pub(super) const MOST_CODES: usize = 8;
 /// Most of the rows that may hold such numbers. Chosen: what stands in most rows is the course.
 pub(super) const CODE_SHARE: f64 = 0.5;
 /// Rows of exactly 0 degrees, and nothing else, from which on no probe was there. Chosen.

@@ -6,9 +6,9 @@ use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
 use crate::formats::{sheet_cells, unpacking};
 use crate::table::Answers;
+use crate::text::Decimal;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
-use crate::text::{Decimal, Delimiter};
 use ieap_domain::Quantity;
 use ieap_domain::words::in_a_row;
 
@@ -154,14 +154,7 @@ fn layout(text: &mut String, guess: &Guess) {
     let _ = writeln!(text, "[layout]");
     match &guess.dialect {
         Some(dialect) => {
-            let separator = match dialect.delimiter {
-                Delimiter::Tab => "tab",
-                Delimiter::Semicolon => "semicolon",
-                Delimiter::Comma => "comma",
-                Delimiter::Bar => "bar",
-                Delimiter::WideBlanks => "two blanks",
-                Delimiter::Blanks => "blanks",
-            };
+            let separator = dialect.delimiter.label();
             let decimal = match dialect.numbers.decimal {
                 Decimal::Point => "point",
                 Decimal::Comma => "comma",

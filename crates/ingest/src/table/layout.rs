@@ -2,6 +2,7 @@
 //!
 //! The decision comes from the grammar of the rows and never from the computer's locale.
 
+use super::columns::headers;
 use super::kind::{Kind, kind};
 use super::numbers::{Found, Writing};
 use super::policy::ROWS_ASKED;
@@ -11,7 +12,6 @@ use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
 use crate::text::grid::{Dialect, is_blank_or_comment};
 use crate::text::header::{Header, Meaning};
-use crate::text::likely::{headed_by_unit, is_time_by_unit, says_nothing};
 use crate::text::names::names_time;
 use crate::text::number;
 use crate::text::policy::{HEADER_WITHIN_LINES, LINES_ASKED, OBEYING_SHARE};
@@ -414,67 +414,6 @@ fn numbers(
                 _ => "export with a point as decimal sign",
             },
         }),
-    }
-}
-
-/// Where no name is that of a time, the one column with a unit of time is it.
-fn name_time(headers: &mut [Header]) {
-    if headers.iter().any(|header| names_time(&header.raw_name)) {
-        return;
-    }
-    let mut by_unit = headers.iter_mut().filter(|header| is_time_by_unit(header));
-    if let Some(only) = by_unit.next().filter(|_| by_unit.next().is_none()) {
-        only.meaning = Header::with_unit("time", &only.raw_unit).meaning;
-    }
-}
-
-/// Headers of names; a name without a unit of its own takes that of the row of units. A number in the place of a name, or of an
-/// input, says nothing: the unit does, where only one input has it.
-pub fn headers(names: &[&str], units: Option<&[String]>) -> Vec<Header> {
-    let unit_of = |index: usize| {
-        units
-            .and_then(|units| units.get(index))
-            .map_or("", String::as_str)
-    };
-    let header = |(index, name): (usize, &&str)| match (Header::parse(name), unit_of(index)) {
-        (header, unit) if header.raw_unit.is_empty() && !unit.is_empty() => {
-            match headed_by_unit(name, unit) {
-                Some(header) if says_nothing(name) => header,
-                _ => Header::with_unit(name, unit),
-            }
-        }
-        (header, _) if header.meaning == Meaning::Other && says_nothing(name) => {
-            headed_by_unit(&header.raw_name, &header.raw_unit).unwrap_or(header)
-        }
-        (header, _) => header,
-    };
-    let mut headers: Vec<Header> = names.iter().enumerate().map(header).collect();
-    name_storage_modulus(&mut headers);
-    name_time(&mut headers);
-    let quantities: Vec<Option<Quantity>> = headers.iter().map(|h| h.meaning.quantity()).collect();
-    let is_only = |quantity| quantities.iter().filter(|other| **other == quantity).count() == 1;
-    for (header, quantity) in headers.iter_mut().zip(&quantities) {
-        if says_nothing(&header.raw_name) && !is_only(*quantity) {
-            header.meaning = Meaning::Other;
-        }
-    }
-    headers
-}
-
-/// Beside `Modulus"`, the loss modulus, `Modulus` is the storage modulus.
-fn name_storage_modulus(headers: &mut [Header]) {
-    let is_named = |header: &Header, name: &str| header.raw_name.to_lowercase().starts_with(name);
-    let is_loss = |header: &Header| {
-        header.meaning.quantity() == Some(Quantity::LossModulus) && is_named(header, "modulus")
-    };
-    if !headers.iter().any(is_loss) {
-        return;
-    }
-    let plain = headers
-        .iter_mut()
-        .filter(|header| header.meaning == Meaning::Other && is_named(header, "modulus"));
-    for header in plain {
-        header.meaning = Header::with_unit("storage modulus", &header.raw_unit).meaning;
     }
 }
 

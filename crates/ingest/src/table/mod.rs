@@ -4,9 +4,11 @@
 //! and a date, the range of a quantity. What can be read in two ways is asked ([`question`]), once for all files of a source.
 //!
 //! - [`kind`]: what a cell can be; [`shape`]: where readings and names stand; [`numbers`]: decimal and thousands marks;
+//! - [`columns`]: what names and units say of each column;
 //! - [`layout`]: these together, for that delimiter under which most is known;
 //! - [`times`]: elapsed time and wall clock; [`rows`]: their order.
 
+pub mod columns;
 pub mod dates_above;
 pub mod duration;
 pub mod epoch;

@@ -10,12 +10,14 @@ use super::finding_words::{Outcome, outcome_of, wrong_in};
 use super::wording::group_title;
 use crate::pages::policy::MOST_GROUPS_NAMED;
 use crate::site::Site;
+use ieap_analysis::dma::view::in_short;
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
+use ieap_analysis::study;
 use ieap_domain::GroupDiagnosis;
 use ieap_domain::finding_words::{causes, gain_in_short};
 
 /// A sentence with the page that tells more.
-#[derive(Debug, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct Said {
     text: String,
     href: String,
@@ -27,11 +29,36 @@ impl Said {
         let href = href.to_owned();
         Said { text, href, more }
     }
+
+    /// What humidity does to the moduli.
+    fn of_moduli(text: String) -> Said {
+        Said::new(text, "dma.html", "modulus logs")
+    }
 }
 
-/// The sentences of a campaign.
-pub fn answers(site: &Site) -> Vec<Said> {
-    let said = [shows(site), moduli(site), lacks(site), next(site)];
+/// What the study says, with what humidity does to the moduli where its size puts it.
+pub fn first_screen(site: &Site) -> Vec<Said> {
+    let asked = &site.input.study;
+    if !study::view::is_told(asked) {
+        return Vec::new();
+    }
+    let moduli = in_short(&site.input.modulus_logs);
+    let said = |text: String| {
+        if moduli.as_ref().is_some_and(|own| own.text == text) {
+            Said::of_moduli(text)
+        } else {
+            Said::new(text, "", "")
+        }
+    };
+    let texts = study::first_screen(asked, moduli.as_ref());
+    texts.into_iter().map(said).collect()
+}
+
+/// The sentences of a campaign behind those.
+pub fn answers(site: &Site, first: &[Said]) -> Vec<Said> {
+    let moduli = in_short(&site.input.modulus_logs).map(|own| Said::of_moduli(own.text));
+    let moduli = moduli.filter(|own| !first.contains(own));
+    let said = [shows(site), moduli, lacks(site), next(site)];
     said.into_iter().flatten().collect()
 }
 
@@ -41,12 +68,6 @@ fn shows(site: &Site) -> Option<Said> {
     let told = forecasts(&site.input.monitoring, &dates);
     let told = told.into_iter().find(|one| one.is_told)?;
     Some(Said::new(told.sentence(), "monitoring.html", "monitoring"))
-}
-
-/// What humidity does to the moduli.
-fn moduli(site: &Site) -> Option<Said> {
-    let text = ieap_analysis::dma::view::in_short(&site.input.modulus_logs)?;
-    Some(Said::new(text, "dma.html", "modulus logs"))
 }
 
 /// What the model lacks, in one sentence: each cause with its groups, and what one of a single group gains.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::Content;
-use super::answers::{Said, answers, coverage};
+use super::answers::{self, Said, coverage};
 use super::comparison::{SmallPanel, small_panels};
 use super::needs::{Need, needs};
 use super::run_fit::symbol_of;
@@ -32,7 +32,7 @@ const MANY: usize = 8;
 struct Index {
     lead: String,
     /// What the study shows, a paragraph a material.
-    said: Vec<String>,
+    said: Vec<Said>,
     /// What else changed with what was compared; empty where nothing did.
     confounded: String,
     /// Runs that are not like their own; empty where none is.
@@ -97,13 +97,11 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
     let mut writer = Writer::new(site, 2, &mut figures);
     write_lists(&mut writer, site)?;
     let lists = writer.taken();
+    let said = answers::first_screen(site);
     let index = Index {
         lead: lead(site),
-        said: if is_asked {
-            study::first_screen(asked)
-        } else {
-            Vec::new()
-        },
+        answers: answers::answers(site, &said),
+        said,
         confounded: study::view::confounded(asked)
             .filter(|_| is_asked)
             .unwrap_or_default(),
@@ -112,7 +110,6 @@ pub fn content(site: &Site) -> Result<Content, ReportError> {
             .unwrap_or_default(),
         blocks,
         picture,
-        answers: answers(site),
         coverage: coverage(site),
         moved: moved(site),
         needs: needs(site),

@@ -12,6 +12,7 @@ use crate::formats::error::quoted;
 use crate::formats::plausible::is_impossible;
 use crate::formats::recognition::{FileHead, Match};
 use crate::formats::{About, Format, ReadContext, ReadError, delimited};
+use crate::table::columns::said_by_unit;
 use crate::table::kind::Kind;
 use crate::table::policy::{AIR_IN_CELSIUS, LARGEST_FRACTION, SMOOTHER_WITHIN};
 use crate::table::shape::Shape;
@@ -153,6 +154,9 @@ pub fn read_lines(
 ) -> Result<Reading, ReadError> {
     let mut tables = table::tables(lines, |_| false, context)?;
     issues.extend(tables[0].layout.between(lines));
+    issues.extend(said_by_unit(&tables[0].headers, |quantity| {
+        quantity == Quantity::Time
+    }));
     if tables.len() > 1 {
         // However long a logger rested, its dates go on.
         let whole = table::joined(lines, &tables[0].layout, |_| false);
