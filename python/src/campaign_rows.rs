@@ -6,6 +6,7 @@ use std::sync::Arc;
 use arrow_array::RecordBatch;
 use ieap::analysis::run_rows::LISTED;
 use ieap::domain::{AskedFit, Channel, Drive, Edge, Issue, Level, Quantity, Segment};
+use ieap::pipeline::fits::instruments::NoiseOfOthers;
 use ieap::pipeline::standalone::in_memory::CampaignRow;
 
 use crate::columns::{list_at, numbers, text_at};
@@ -53,7 +54,17 @@ pub fn row_at(batch: &RecordBatch, row: usize, name: &str) -> Result<CampaignRow
             simultaneous: number(batch, "simultaneous", row).map(|flag| flag != 0.0),
             seed: None,
         },
+        noise: of_others(batch, row)?,
     })
+}
+
+/// What other runs of its instrument tell of its noise; nothing in rows where nobody tells.
+fn of_others(batch: &RecordBatch, row: usize) -> Result<NoiseOfOthers, Issue> {
+    let key = "instrument_noise";
+    let Some(told) = text(batch, key, row) else {
+        return Ok(NoiseOfOthers::default());
+    };
+    serde_json::from_str(&told).map_err(|error| unequal(key, error.to_string()))
 }
 
 fn text(batch: &RecordBatch, key: &str, row: usize) -> Option<String> {

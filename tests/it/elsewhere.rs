@@ -1,8 +1,9 @@
 //! Fits made elsewhere, as data frames on a cluster make them, and brought back.
 
-use ieap::pipeline::FitChoice;
+use ieap::pipeline::fits::instruments::noise_of_others;
 use ieap::pipeline::fits::result::FitResult;
 use ieap::pipeline::standalone::in_memory::CampaignRow;
+use ieap::pipeline::{Context, FitChoice};
 use ieap::store::{ResultKind, Store};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
@@ -34,7 +35,11 @@ fn results(folder: &CampaignFolder, choice: &FitChoice) -> Vec<Value> {
     copy.ieap(&["fit"]).expect(0);
     let store = Store::open_read_only(copy.path()).unwrap().unwrap();
     let keys = store.result_keys(ResultKind::Fit).unwrap();
+    let mut noise = noise_of_others(&Context::open_read_only(copy.path()).unwrap()).unwrap();
     let fitted = |task: ieap::store::FitTask| {
+        let noise = noise.remove(&task.path).unwrap();
+        // As it travels.
+        let noise = serde_json::from_str(&serde_json::to_string(&noise).unwrap()).unwrap();
         let row = CampaignRow {
             channels: store.channels(task.run_id).unwrap(),
             run: task.path.clone(),
@@ -46,6 +51,7 @@ fn results(folder: &CampaignFolder, choice: &FitChoice) -> Vec<Value> {
             electrode_resistance_error_ohm_per_sq: task.electrode_resistance_error_ohm_per_sq,
             drive: task.drive,
             chosen: Default::default(),
+            noise,
         };
         serde_json::to_value(row.fit(choice).1).unwrap()
     };

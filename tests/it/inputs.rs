@@ -257,10 +257,12 @@ fn a_note_while_results_are_made_loses_nothing() {
     assert_ne!(alarms(&mut context), before);
 }
 
-/// Who goes on changing what a result depends on is told, the other results are stored, and the next call makes the rest.
+/// Who goes on changing what a result depends on is told, the other results are stored, and the next call makes the rest. What
+/// changes is of another instrument: what it tells of its noise would be part of the others.
 #[test]
 fn what_changes_whenever_it_is_made_is_left_and_told() {
     let folder = campaign();
+    folder.write("runs/1.csv.toml", "instrument = \"another\"\n");
     let mut context = Context::open(folder.path(), false).unwrap();
     Ingest { ready: &mut |_| true }
         .run(&mut context, &Silent)

@@ -69,6 +69,7 @@ mod mutations;
 mod needs_shared;
 mod new_laboratory;
 mod next_runs;
+mod noise_of_instrument;
 mod not_read;
 mod only_shown;
 mod output;

@@ -36,6 +36,8 @@ pub struct Task {
     pub method: String,
     /// Whether current and curvature are fitted together.
     pub simultaneous: bool,
+    /// What other runs of its instrument tell of its noise, JSON; none where nobody does.
+    pub instrument_noise: Option<String>,
 }
 
 /// A run to be written.
@@ -133,6 +135,7 @@ fn of_tasks(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
     let number =
         |of: fn(Task) -> Option<f64>| Cells::Numbers(rows.iter().map(|row| of(task(row)?)).collect());
     let together = rows.iter().map(|row| Some(task(row)?.simultaneous));
+    let noise = rows.iter().map(|row| task(row)?.instrument_noise);
     let reason = rows.iter().map(|row| row.task.clone().err());
     vec![
         named("length_cm", number(|task| task.length_cm)),
@@ -148,6 +151,7 @@ fn of_tasks(rows: &[RunRow<'_>]) -> Vec<(String, Cells)> {
         named("model", text(|task| task.model)),
         named("method", text(|task| task.method)),
         named("simultaneous", Cells::Flags(together.collect())),
+        named("instrument_noise", Cells::Texts(noise.collect())),
         named("reason", Cells::Texts(reason.collect())),
     ]
 }
@@ -233,6 +237,7 @@ mod tests {
             model: "lumped-2".to_owned(),
             method: "variable-projection".to_owned(),
             simultaneous: false,
+            instrument_noise: None,
         };
         let rows = [
             RunRow {

@@ -70,43 +70,13 @@ pub struct NoiseCharacter {
     pub proportional: f64,
     /// Step of the converter, canonical unit of the channel; 0 where none is seen.
     pub quantum: f64,
-    /// How likely the readings make each kind of slow noise; empty where a fit was not asked to tell.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub kinds: Vec<KindEvidence>,
+    /// Other runs of the instrument that told what noise it has; 0 where this run alone did.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub runs_of_instrument: u32,
 }
 
-/// A kind of noise, as an instrument has it in all its runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
-pub struct NoiseKind {
-    /// What is there beside white noise.
-    pub form: NoiseForm,
-    /// Its variance is 9 / 4^size of that of the white noise of one reading; 0 of white noise alone.
-    pub size: u8,
-}
-
-/// What a noise has beside what is new at every reading.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum NoiseForm {
-    /// Nothing.
-    White,
-    /// A process that forgets in 4^k s.
-    Process(i8),
-    /// As much of each such process (1/f).
-    Flicker,
-    /// A straight line over the record.
-    Line,
-    /// Half of each of the last two.
-    FlickerAndLine,
-}
-
-/// What the readings of one channel of a run tell of a kind of noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct KindEvidence {
-    /// The kind.
-    pub kind: NoiseKind,
-    /// Natural logarithm of how likely it makes the readings, beside what a fit searches; only differences tell.
-    pub log_likelihood: f64,
+fn is_none(runs: &u32) -> bool {
+    *runs == 0
 }
 
 /// Noise of one channel and how the residual compares with it.

@@ -76,8 +76,7 @@ pub use edge::{EDGE_OF_RANGE, Edge, EdgeOrigin};
 pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
 pub use fit::{
-    ChannelNoise, Fit, KindEvidence, LUMPED_OR_DISTRIBUTED, NoiseCharacter, NoiseForm, NoiseKind, Nuisance,
-    NuisanceOrigin, Parameter,
+    ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Nuisance, NuisanceOrigin, Parameter,
 };
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use impedance::{

@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use ieap_domain::{Channel, Drive, Estimate, Fit, Quantity};
-use ieap_fit::{FitInput, FitOptions, InstrumentNoise, NoiseBy, fit_run};
+use ieap_fit::{FitInput, FitOptions, InstrumentNoise, NoiseBy, ToldOfNoise, fit_run, told_of_noise};
 use ieap_model::{Branch, LumpedModel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -170,6 +170,15 @@ fn fitted(run: &Drawn, noise: NoiseBy) -> Result<Fit, Box<dyn std::error::Error>
     Ok(fit_run(&input, &options)?)
 }
 
+fn told(run: &Drawn) -> Result<ToldOfNoise, Box<dyn std::error::Error>> {
+    let input = FitInput {
+        channels: &run.channels,
+        drive: &run.drive,
+        area_cm2: AREA_CM2,
+    };
+    Ok(told_of_noise(&input, &FitOptions::for_model("lumped-2")?))
+}
+
 /// What fits of many runs state of one parameter.
 #[derive(Default, Clone)]
 struct Stated {
@@ -270,12 +279,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let alone = each(NoiseBy::Kinds(None))?;
         say("alone", &alone, begun);
         let begun = Instant::now();
+        let told: Vec<ToldOfNoise> = runs.iter().map(told).collect::<Result<_, _>>()?;
         let mut beside_others = Vec::new();
         for (place, run) in runs.iter().enumerate() {
             let first = place / of_instrument * of_instrument;
             let mut others = InstrumentNoise::default();
             let of_others = (first..(first + of_instrument).min(runs.len())).filter(|other| *other != place);
-            of_others.for_each(|other| others.learn(&alone[other]));
+            of_others.for_each(|other| others.learn(&told[other]));
             beside_others.push(fitted(run, NoiseBy::Kinds(Some(&others)))?);
         }
         say("instrument", &beside_others, begun);

@@ -2,35 +2,42 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ieap_domain::{Fit, KindEvidence, NoiseForm, NoiseKind, Quantity};
+use ieap_domain::Quantity;
+use serde::{Deserialize, Serialize};
 
 use crate::joint::policy::{NOISE_OF_ITS_OWN, PRIOR_OF_SLOW_KIND};
+use crate::kind_of_noise::{KindEvidence, NoiseForm, NoiseKind, ToldOfNoise};
 
 /// How likely each kind of noise is of an instrument, by channel, after the runs that it learnt from.
 ///
 /// An instrument has one kind; a run has it too, or, one in ten, another that is drawn from all. So runs multiply, in any order,
 /// and what one run tells can be taken out again.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstrumentNoise {
+    runs: u32,
     current: ChannelNoises,
     curvature: ChannelNoises,
 }
 
 /// The same of one channel.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<KindEvidence>", into = "Vec<KindEvidence>")]
 pub(crate) struct ChannelNoises {
     /// By kind: logarithm of how much likelier it makes the runs than a noise that is another in each of them.
     likelier: BTreeMap<NoiseKind, f64>,
 }
 
 impl InstrumentNoise {
-    /// Learns from a fit that was asked for the kinds of its noise; another tells nothing.
-    pub fn learn(&mut self, fit: &Fit) {
-        for noise in &fit.noise {
-            if let Some(channel) = self.channel_mut(noise.quantity) {
-                channel.learn(&noise.character.kinds);
-            }
-        }
+    /// Learns from a run; one that tells nothing changes nothing.
+    pub fn learn(&mut self, told: &ToldOfNoise) {
+        self.runs += u32::from(!told.is_empty());
+        self.current.learn(&told.current);
+        self.curvature.learn(&told.curvature);
+    }
+
+    /// Runs that it learnt from.
+    pub fn runs(&self) -> u32 {
+        self.runs
     }
 
     /// Of the kinds of a channel how likely each is, sum 1: what is known before a further run is seen.
@@ -46,13 +53,22 @@ impl InstrumentNoise {
     pub(crate) fn channel(&self, bends: bool) -> &ChannelNoises {
         if bends { &self.curvature } else { &self.current }
     }
+}
 
-    fn channel_mut(&mut self, quantity: Quantity) -> Option<&mut ChannelNoises> {
-        match quantity {
-            Quantity::Current => Some(&mut self.current),
-            Quantity::Curvature => Some(&mut self.curvature),
-            _ => None,
+impl From<Vec<KindEvidence>> for ChannelNoises {
+    fn from(likelier: Vec<KindEvidence>) -> ChannelNoises {
+        let each = likelier.into_iter().map(|own| (own.kind, own.log_likelihood));
+        ChannelNoises {
+            likelier: each.collect(),
         }
+    }
+}
+
+impl From<ChannelNoises> for Vec<KindEvidence> {
+    fn from(noises: ChannelNoises) -> Vec<KindEvidence> {
+        let each = noises.likelier.into_iter();
+        each.map(|(kind, log_likelihood)| KindEvidence { kind, log_likelihood })
+            .collect()
     }
 }
 

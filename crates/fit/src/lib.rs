@@ -22,6 +22,7 @@ mod instrument_noise;
 mod interval_rule;
 mod joint;
 mod joint_estimates;
+mod kind_of_noise;
 mod law;
 mod means;
 mod moving;
@@ -62,6 +63,7 @@ pub use group::{
 };
 
 pub use instrument_noise::InstrumentNoise;
+pub use kind_of_noise::{KindEvidence, NoiseForm, NoiseKind, ToldOfNoise};
 pub use moving::{MOVING_VERSION, least_squares_place};
 pub use noise_again::{FoundAgain, NoiseAgain, Pair, Scaled};
 pub use options::{FitInput, FitOptions, NoiseBy, Steps};
@@ -141,6 +143,31 @@ fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
         in_two_steps(input, options, None)
     });
     Ok(fit)
+}
+
+/// What a run tells of the noise of its instrument, by the model and the method of `options`: nothing where a fit of it would not be
+/// weighed by [kinds of noise](NoiseBy::Kinds). It does not depend on what is known of the instrument.
+pub fn told_of_noise(input: &FitInput, options: &FitOptions) -> ToldOfNoise {
+    let told = || {
+        let cleaned = Cleaned::of(input);
+        let input = cleaned.input(input);
+        Readings::new(&input).ok()?.check(&input, options).ok()?;
+        let aligned = aligned(&input, options).ok().flatten();
+        let input = FitInput {
+            channels: aligned.as_ref().map_or(input.channels, |own| &own.channels),
+            ..input
+        };
+        let (settled, step) = settled_edges::settled(&input, options).ok()?;
+        let placed = FitInput {
+            drive: settled.edges.drive(),
+            ..input
+        };
+        let mut identified = identify(&placed, options, Readings::new(&placed).ok()?, step.as_ref());
+        unseen_charge::look(&placed, options, &mut identified);
+        plain::told_of_noise(&placed, &identified)
+    };
+    let is_weighed = options.is_weighed_by_kinds() && !input.drive.moves();
+    is_weighed.then(told).flatten().unwrap_or_default()
 }
 
 /// Fits a run whose channels are on one clock.

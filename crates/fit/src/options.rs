@@ -47,7 +47,7 @@ pub enum NoiseBy<'a> {
     Memory,
     /// Every kind of slow noise, asked beside the parameters, with what other runs of the instrument tell of it: intervals hold
     /// under red noise, 1/f, walks and lines, too. Of a run alone they are up to 2.4 times as wide under white noise, after twelve
-    /// runs 1.4 times; so it is not the default before campaigns keep what their instruments' runs tell.
+    /// runs 1.4 times. So runs are fitted for people; groups, a diagnosis and what is planned stay with the memory.
     /// `cargo run --release -p ieap-fit --example noises` counts.
     Kinds(Option<&'a InstrumentNoise>),
 }
@@ -125,6 +125,26 @@ impl<'a> FitOptions<'a> {
                 known: known(),
             }),
         }
+    }
+
+    /// The same where other runs told of the instrument's noise, if it is weighed by kinds of noise.
+    pub fn told_by<'n>(&self, noise: &'n InstrumentNoise) -> FitOptions<'n>
+    where
+        'a: 'n,
+    {
+        let asked = self.noise;
+        FitOptions {
+            noise: match asked {
+                NoiseBy::Memory => asked,
+                NoiseBy::Kinds(_) => NoiseBy::Kinds(Some(noise)),
+            },
+            ..*self
+        }
+    }
+
+    /// Whether fits of steps and pulses with these options are weighed by kinds of noise, where [`NoiseBy::Kinds`] asks for it.
+    pub fn is_weighed_by_kinds(&self) -> bool {
+        self.steps == Steps::TwoStep && self.model.id.starts_with("lumped-")
     }
 
     pub(crate) fn search(&self) -> Search {

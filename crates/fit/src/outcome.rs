@@ -19,7 +19,7 @@ use super::sampled::Sampled;
 use super::uncertainty::Residuals;
 use crate::factors::only_with_their_factors;
 use crate::nuisances;
-use crate::options::{FitInput, FitOptions};
+use crate::options::{FitInput, FitOptions, NoiseBy};
 use crate::two_steps::Identified;
 use crate::zero::Zero;
 
@@ -82,10 +82,9 @@ fn with(
             wanted,
         ));
     }
-    if let Some(judged) = judged {
+    if let (Some(_), NoiseBy::Kinds(Some(known))) = (judged, options.noise) {
         for response in &mut responses {
-            let place = usize::from(response.noise.quantity == Quantity::Curvature);
-            response.noise.character.kinds = judged.evidence_of_noise[place].clone();
+            response.noise.character.runs_of_instrument = known.runs();
         }
     }
     let n_samples = responses.iter().map(|response| response.noise.readings).sum();

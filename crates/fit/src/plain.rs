@@ -11,6 +11,7 @@ use crate::joint::policy::MISFIT_FACTOR;
 use crate::joint::readings::{Response, RunReadings};
 use crate::joint::single::{self, Judged};
 use crate::joint::start::Start;
+use crate::kind_of_noise::ToldOfNoise;
 use crate::options::{FitInput, FitOptions, NoiseBy};
 use crate::sampled::Sampled;
 use crate::two_steps::{Identified, OfStep, Readings, identify, needed};
@@ -96,6 +97,21 @@ fn by_kinds(
     bending: Option<&(Sampled, Bending)>,
     known: Option<&InstrumentNoise>,
 ) -> Option<Judged> {
+    let (readings, start) = weighed_by_kinds(input, (current, electrical), bending, known)?;
+    let bending = bending.map(|(_, bending)| bending);
+    let settled = parabola::is_settled(electrical, bending, branches);
+    let narrow = settled.then(|| single::narrow(&readings, &start)).flatten();
+    narrow.or_else(|| single::judge(&readings, electrical, bending, branches, false))
+}
+
+/// The readings beside what two steps have found, and where these put the search. What they tell of each kind of noise does not
+/// depend on what is `known` of it.
+fn weighed_by_kinds<'a>(
+    input: &FitInput<'a>,
+    (current, electrical): (&Sampled, &Electrical),
+    bending: Option<&(Sampled, Bending)>,
+    known: Option<&InstrumentNoise>,
+) -> Option<(RunReadings<'a>, Start)> {
     let mut start = Start::of(electrical, electrical.conductances_a_per_v.len());
     if let Some((_, bending)) = bending {
         start = start.with_bending(bending);
@@ -105,7 +121,7 @@ fn by_kinds(
     let response = |sampled: &Sampled, residuals: &Residuals, bends: bool| {
         let left = &residuals.residuals;
         let columns = |time_s: &[f64]| start.columns(input.drive, input.area_cm2, bends, time_s);
-        Response::beside_fit(sampled.clone(), left).with_kinds(left, columns, known.channel(bends))
+        Response::by_kinds(sampled.clone(), left, columns, known.channel(bends))
     };
     let readings = RunReadings {
         drive: input.drive,
@@ -116,10 +132,18 @@ fn by_kinds(
             None => None,
         },
     };
-    let bending = bending.map(|(_, bending)| bending);
-    let settled = parabola::is_settled(electrical, bending, branches);
-    let narrow = settled.then(|| single::narrow(&readings, &start)).flatten();
-    narrow.or_else(|| single::judge(&readings, electrical, bending, branches, false))
+    Some((readings, start))
+}
+
+/// What a run in two steps tells of its instrument's noise; none where it is not weighed by that.
+pub(crate) fn told_of_noise(input: &FitInput, identified: &Identified) -> Option<ToldOfNoise> {
+    let (current, electrical) = identified.current.as_ref().ok()?;
+    if electrical.unseen.is_some() || electrical.conductances_a_per_v.is_empty() {
+        return None;
+    }
+    let bending = identified.curvature.as_ref().ok();
+    let (readings, _) = weighed_by_kinds(input, (current, electrical), bending, None)?;
+    Some(readings.told_of_noise())
 }
 
 /// Whether the model plainly does not describe the readings. A likelihood that knows noise only would then state

@@ -353,7 +353,7 @@ impl WhitenedChannel {
             correlation_time_s,
             proportional: noise.proportional,
             quantum: noise.quantum,
-            kinds: Vec::new(),
+            runs_of_instrument: 0,
         }
     }
 

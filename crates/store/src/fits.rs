@@ -33,6 +33,10 @@ pub struct FitTask {
     pub electrode_resistance_error_ohm_per_sq: Option<f64>,
     /// Sample of the run, by its tag.
     pub sample: Option<String>,
+    /// Instrument that recorded it, by its tag.
+    pub instrument: Option<String>,
+    /// When it began, by its tag.
+    pub started_at: Option<String>,
     /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
     pub data_hash: String,
     /// How the last fit of any revision of the run was asked for.
@@ -250,6 +254,8 @@ fn fit_task(run: &RunRow, last_asked: AskedFit) -> Option<FitTask> {
             .electrode_resistance_ohm_per_sq
             .and(error.filter(|error| error.is_finite() && *error > 0.0)),
         sample: tagging.chosen.get(keys::SAMPLE).cloned(),
+        instrument: tagging.chosen.get(keys::INSTRUMENT).cloned(),
+        started_at: tagging.chosen.get(keys::STARTED_AT).cloned(),
         data_hash: run.readings_hash(),
         last_asked,
         path: run.path.clone(),

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::domain::words::counted;
 use crate::domain::{AskedFit, Campaign, KnownParameter, key_named};
-use crate::fit::{FitError, FitOptions, Steps, can_be_known};
+use crate::fit::{FitError, FitOptions, NoiseBy, Steps, can_be_known};
 use crate::model::{FitModel, ModelChoice, fit_models};
 
 /// How runs are fitted.
@@ -120,6 +120,7 @@ pub(crate) fn options_of(said: &AskedFit, model: &ModelChoice) -> Result<FitOpti
         options.steps = Steps::Simultaneous;
     }
     options.describes_noise = true;
+    options.noise = NoiseBy::Kinds(None);
     options.seed = said.seed.unwrap_or(options.seed);
     Ok(options)
 }

@@ -4,8 +4,9 @@
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
+use super::instruments::Told;
 use super::plan::{Planned, fit_plan};
-use super::runs::fit_one;
+use super::runs::FitReadings;
 use crate::domain::{AskedFit, RunRecord};
 use crate::pipeline::campaign::derived::Keyed;
 use crate::pipeline::{Context, PipelineError};
@@ -16,12 +17,18 @@ pub(crate) struct DrawnFits<'a> {
     context: &'a Context,
     /// How runs are fitted whose fit is up to date, by name; made where the first run asks for it.
     planned: OnceCell<BTreeMap<String, Keyed<Planned>>>,
+    told: Told,
 }
 
 impl<'a> DrawnFits<'a> {
     pub(crate) fn new(context: &'a Context) -> DrawnFits<'a> {
         let planned = OnceCell::new();
-        DrawnFits { context, planned }
+        let told = Told::default();
+        DrawnFits {
+            context,
+            planned,
+            told,
+        }
     }
 
     /// The curves of a run's fit; none where it has no fit, or one that came from elsewhere and is out of date.
@@ -36,8 +43,7 @@ impl<'a> DrawnFits<'a> {
         let Some((_, run)) = self.planned()?.get(&run.path) else {
             return Ok(stored);
         };
-        let channels = self.context.store.channels(run.task.run_id)?;
-        let made = fit_one(&run.task, &channels, &run.chosen.options, &run.known());
+        let made = FitReadings::load(self.context, run, &self.told)?.fit(run);
         let fit = made.map_err(|issue| PipelineError::Fault {
             step: format!("{}: curves of a fit that was made elsewhere", issue.place),
             reason: issue.message,

@@ -1,7 +1,7 @@
 //! Hashes of what fits and diagnoses are made from: the library of effects, and a run as it is handed to them.
 
 use crate::domain::{InputHash, KnownParameter};
-use crate::fit::{FitOptions, MOVING_VERSION, Steps, distributed};
+use crate::fit::{FitOptions, MOVING_VERSION, NoiseBy, Steps, distributed};
 use crate::model::effects;
 use crate::store::FitTask;
 
@@ -38,6 +38,8 @@ pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
         electrode_resistance_ohm_per_sq,
         electrode_resistance_error_ohm_per_sq,
         sample: _,
+        instrument: _,
+        started_at: _,
         data_hash,
         last_asked: _,
     } = task;
@@ -53,9 +55,32 @@ pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
     }
 }
 
-/// Hash of everything that a fit depends on.
+/// Whether a run is weighed by kinds of noise, of which other runs of its instrument tell.
+pub(crate) fn is_weighed_by_kinds(task: &FitTask, options: &FitOptions, known: &[KnownParameter]) -> bool {
+    matches!(options.noise, NoiseBy::Kinds(_))
+        && options.is_weighed_by_kinds()
+        && known.is_empty()
+        && !task.drive.moves()
+}
+
+/// Hash of everything that a fit depends on, where `others` tell of the noise of its instrument.
+pub(crate) fn input_hash_beside<'a>(own: String, others: impl IntoIterator<Item = &'a str>) -> String {
+    let mut others = others.into_iter().peekable();
+    if others.peek().is_none() {
+        return own;
+    }
+    let mut hash = InputHash::new();
+    hash.text(&own);
+    others.for_each(|other| {
+        hash.text(other);
+    });
+    hash.finished()
+}
+
+/// Hash of everything that the fit of a run alone depends on.
 pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownParameter]) -> String {
-    // The name is in no fit; the sample chose what is known; how a fit was asked for last chose the options.
+    // The name is in no fit; the sample chose what is known; how a fit was asked for last chose the options; instrument and start
+    // choose which others tell of its noise.
     let FitTask {
         run_id: _,
         path: _,
@@ -66,6 +91,8 @@ pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownPar
         electrode_resistance_ohm_per_sq: along,
         electrode_resistance_error_ohm_per_sq: along_error,
         sample: _,
+        instrument: _,
+        started_at: _,
         data_hash,
         last_asked: _,
     } = task;
@@ -89,6 +116,9 @@ pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownPar
     }
     if method.is_random() {
         hash.whole(options.seed);
+    }
+    if is_weighed_by_kinds(task, options, known) {
+        hash.text("kinds of noise");
     }
     // Where nothing is known the form is that of fits before it could be.
     for known in known {

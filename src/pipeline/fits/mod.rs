@@ -6,6 +6,7 @@ pub(super) mod drawn;
 pub(super) mod extended;
 pub(super) mod groups;
 pub(super) mod input_hash;
+pub mod instruments;
 pub(super) mod outcome;
 pub(super) mod plan;
 pub mod result;

@@ -2,9 +2,11 @@
 //! adopted for its group where none is asked for; and which runs are fitted together, since effects are shared by a group.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::choice::{Chosen, choose};
-use super::input_hash::input_hash;
+use super::input_hash::{input_hash, input_hash_beside, is_weighed_by_kinds};
+use super::instruments::{Instruments, NoiseOfOthers, Telling};
 use crate::analysis::groups::groups;
 use crate::domain::{AskedFit, KnownParameter, RunRecord};
 use crate::fit::{FitError, FitOptions};
@@ -21,6 +23,8 @@ use crate::store::FitTask;
 pub(crate) struct Planned {
     pub(crate) task: FitTask,
     pub(crate) chosen: Chosen,
+    /// The runs that tell of the noise of its instrument; it may be one of them.
+    tellers: Arc<[Telling]>,
 }
 
 impl Planned {
@@ -33,7 +37,20 @@ impl Planned {
 
     /// Hash of everything that its fit depends on.
     pub(crate) fn input_hash(&self) -> String {
-        input_hash(&self.task, &self.chosen.options, &self.known())
+        let own = input_hash(&self.task, &self.chosen.options, &self.known());
+        input_hash_beside(own, self.others().map(|other| other.hash.as_str()))
+    }
+
+    /// The other runs that tell of the noise of its instrument; none where its fit is not weighed by that.
+    pub(crate) fn others(&self) -> impl Iterator<Item = &Telling> {
+        let is_weighed = is_weighed_by_kinds(&self.task, &self.chosen.options, &self.known());
+        let others = self.tellers.iter().filter(|own| !own.is(&self.task));
+        others.filter(move |_| is_weighed)
+    }
+
+    /// How it is fitted, with what the others tell.
+    pub(crate) fn options<'a>(&self, of_others: &'a NoiseOfOthers) -> FitOptions<'a> {
+        self.chosen.options.told_by(&of_others.noise)
     }
 }
 
@@ -78,12 +95,19 @@ pub(crate) fn fit_plan(context: &Context, asked: &AskedFit) -> Result<FitPlan, P
             ModelChoice::parse(&entry.model).map_err(FitError::Choice)?,
         );
     }
+    let tasks = context.store.fit_tasks()?;
+    let instruments = Instruments::of(campaign, &tasks)?;
     let planned = |task: FitTask| -> Result<Planned, PipelineError> {
-        let chosen = choose(asked, campaign, &task.last_asked)?;
-        Ok(Planned { task, chosen })
+        Ok(Planned {
+            chosen: choose(asked, campaign, &task.last_asked)?,
+            tellers: instruments.tellers(&task),
+            task,
+        })
     };
-    let tasks = context.store.fit_tasks()?.into_iter().map(planned);
-    let planned = tasks.collect::<Result<Vec<Planned>, _>>()?;
+    let planned = tasks
+        .into_iter()
+        .map(planned)
+        .collect::<Result<Vec<Planned>, _>>()?;
     if adopted.is_empty() && !planned.iter().any(|run| run.chosen.model.is_extended()) {
         return Ok(FitPlan {
             single: planned,

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::along;
 use super::choice::{FitChoice, held, takes_known};
 use super::extended;
+use super::instruments::{NoiseOfOthers, Told};
 use super::outcome::{FitSummary, Outcome, fit_fault, known_not_used, not_fitted, store};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
@@ -63,7 +64,7 @@ impl FitRuns {
             unknown_groups: plan.unknown_groups,
             ..FitSummary::default()
         };
-        let (single, groups) = (Single { asked: asked.clone() }, extended::Groups::new(asked));
+        let (single, groups) = (Single::new(asked.clone()), extended::Groups::new(asked));
         let runs = sorted(&single, context, plan.single, again)?;
         let in_groups = sorted(&groups, context, plan.extended, again)?;
         let of_groups = in_groups.up_to_date.iter().map(|(_, group)| group.runs.len());
@@ -85,7 +86,7 @@ impl FitRuns {
     pub fn due(&self, context: &Context) -> Result<usize, PipelineError> {
         let asked = self.choice.asked();
         let plan = fit_plan(context, &asked)?;
-        let single = Single { asked: asked.clone() };
+        let single = Single::new(asked.clone());
         let runs = sorted(&single, context, plan.single, self.again)?;
         let groups = sorted(&extended::Groups::new(asked), context, plan.extended, self.again)?;
         let of_groups = groups.due.iter().map(|(_, group)| group.runs.len());
@@ -100,11 +101,22 @@ const DOING: &str = "fitting";
 struct Single {
     /// How fits are asked for.
     asked: AskedFit,
+    /// What runs told of the noise of their instruments.
+    told: Told,
+}
+
+impl Single {
+    fn new(asked: AskedFit) -> Single {
+        Single {
+            asked,
+            told: Told::default(),
+        }
+    }
 }
 
 impl Derived for Single {
     type Subject = Planned;
-    type Readings = Vec<Channel>;
+    type Readings = FitReadings;
     type Found = Fit;
     const KIND: ResultKind = ResultKind::Fit;
     const DOING: &'static str = DOING;
@@ -122,15 +134,16 @@ impl Derived for Single {
         run.input_hash()
     }
 
-    fn load(&self, context: &Context, run: &Planned) -> Result<Vec<Channel>, PipelineError> {
-        Ok(context.store.channels(run.task.run_id)?)
+    fn load(&self, context: &Context, run: &Planned) -> Result<FitReadings, PipelineError> {
+        FitReadings::load(context, run, &self.told)
     }
 
-    fn make(&self, run: &Planned, channels: Vec<Channel>) -> Vec<Outcome> {
+    fn make(&self, run: &Planned, readings: FitReadings) -> Vec<Outcome> {
+        let options = run.options(&readings.of_others);
         vec![fit_uncaught(
             &run.task,
-            &channels,
-            &run.chosen.options,
+            &readings.channels,
+            &options,
             &run.known(),
         )]
     }
@@ -146,6 +159,29 @@ impl Derived for Single {
         of: &[&Planned],
     ) -> Result<Vec<bool>, PipelineError> {
         store(context, results, of.iter().copied())
+    }
+}
+
+/// What a fit of a planned run is made from.
+pub(crate) struct FitReadings {
+    channels: Vec<Channel>,
+    of_others: NoiseOfOthers,
+}
+
+impl FitReadings {
+    /// # Errors
+    /// The database cannot be read.
+    pub(crate) fn load(context: &Context, run: &Planned, told: &Told) -> Result<FitReadings, PipelineError> {
+        Ok(FitReadings {
+            channels: context.store.channels(run.task.run_id)?,
+            of_others: told.to(context, run)?,
+        })
+    }
+
+    /// The fit of the run.
+    pub(crate) fn fit(&self, run: &Planned) -> Outcome {
+        let options = run.options(&self.of_others);
+        fit_one(&run.task, &self.channels, &options, &run.known())
     }
 }
 
@@ -166,10 +202,9 @@ pub(crate) fn fit_and_take(
         observer,
         may_go_on: TO_THE_END,
     };
-    let load = |context: &Context, (_, run): &Due| Ok(context.store.channels(run.task.run_id)?);
-    let make = |(_, run): &Due, channels: Vec<Channel>| {
-        fit_one(&run.task, &channels, &run.chosen.options, &run.known())
-    };
+    let told = Told::default();
+    let load = |context: &Context, (_, run): &Due| FitReadings::load(context, run, &told);
+    let make = |(_, run): &Due, readings: FitReadings| readings.fit(run);
     making.look(context, due, load, make, take)
 }
 

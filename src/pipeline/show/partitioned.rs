@@ -12,6 +12,7 @@ use crate::domain::RunRecord;
 use crate::domain::tag::keys;
 use crate::fit::Steps;
 use crate::pipeline::campaign::standing;
+use crate::pipeline::fits::instruments::{NoiseOfOthers, Told};
 use crate::pipeline::fits::plan::{Planned, fit_plan};
 use crate::pipeline::fits::runs::FitRuns;
 use crate::pipeline::infra::own_folder::{self, Fresh};
@@ -156,8 +157,10 @@ fn row<'a>(
 /// How each run is fitted, by its name.
 fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, PipelineError> {
     let plan = fit_plan(context, &FitRuns::default().choice.asked())?;
+    let told = Told::default();
     let task = |planned: Planned| {
         let input_hash = planned.input_hash();
+        let of_others = told.to(context, &planned)?;
         let options = &planned.chosen.options;
         let task = Task {
             length_cm: planned.task.length_cm,
@@ -167,6 +170,7 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, Pi
             model: options.model.id.to_owned(),
             method: options.method.id().to_owned(),
             simultaneous: options.steps == Steps::Simultaneous,
+            instrument_noise: in_a_cell(&of_others)?,
         };
         let task = if planned.known().is_empty() {
             Ok(task)
@@ -176,9 +180,21 @@ fn tasks(context: &Context) -> Result<BTreeMap<String, Result<Task, String>>, Pi
                     .to_owned(),
             )
         };
-        (planned.task.path, task)
+        Ok((planned.task.path, task))
     };
-    Ok(plan.single.into_iter().map(task).collect())
+    plan.single.into_iter().map(task).collect()
+}
+
+/// What others tell of a run's noise, as JSON; none where nobody does.
+fn in_a_cell(of_others: &NoiseOfOthers) -> Result<Option<String>, PipelineError> {
+    if of_others.made_from.is_empty() {
+        return Ok(None);
+    }
+    let text = serde_json::to_string(of_others).map_err(|source| PipelineError::Fault {
+        step: "what other runs tell of a run's noise".to_owned(),
+        reason: source.to_string(),
+    })?;
+    Ok(Some(text))
 }
 
 /// Runs by the folder of their partition.

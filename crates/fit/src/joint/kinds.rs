@@ -8,13 +8,13 @@
 mod bins;
 mod processes;
 
-use ieap_domain::{KindEvidence, NoiseForm, NoiseKind};
 use ieap_numerics::decay::even_step;
 use ieap_numerics::sums::dot;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::instrument_noise::ChannelNoises;
 use crate::joint::policy::{KIND_RATIO, LARGEST_SLOW_RATIO, SLOWEST_RECORDS};
+use crate::kind_of_noise::{KindEvidence, NoiseForm, NoiseKind};
 use crate::sampled::Sampled;
 
 pub(crate) use bins::Bins;
@@ -59,8 +59,11 @@ impl KindsOfNoise {
         let mut processes: Vec<Process> = scales_s.iter().map(dying).collect();
         processes.push(Process::line(&bins));
         let rest = bins.means(rest);
+        // What is searched, and what is left, side by side.
+        let each = |bin: usize| columns.iter().map(move |column| column[bin]).chain([rest[bin]]);
+        let series: Vec<f64> = (0..bins.len()).flat_map(each).collect();
         let ask = |kind: NoiseKind, of_processes: Vec<f64>| {
-            Asked::of(&bins, &processes, (kind, of_processes), columns, &rest, freedom)
+            Asked::of(&bins, &processes, (kind, of_processes), &series, freedom)
         };
         let ratios = ratios(sampled.len());
         let white = NoiseKind {
@@ -226,8 +229,7 @@ impl Asked {
         bins: &Bins,
         processes: &[Process],
         (kind, of_processes): (NoiseKind, Vec<f64>),
-        columns: &[Vec<f64>],
-        rest: &[f64],
+        series: &[f64],
         freedom: f64,
     ) -> Asked {
         let unit = Covariance {
@@ -235,19 +237,22 @@ impl Asked {
             of_processes,
         };
         let whitener = BinWhitener::new(bins, processes, &unit);
-        let white = |series: &[f64]| {
-            let mut series = series.to_vec();
-            for &(from, to) in &bins.spans {
-                whitener.whiten(from, &mut series[from..to]);
+        let mut series = series.to_vec();
+        let width = series.len() / bins.len();
+        whitener.whiten_beside(bins, &mut series, width);
+        let mut products = vec![0.0; width * width];
+        for row in series.chunks_exact(width) {
+            for (own, products) in row.iter().zip(products.chunks_exact_mut(width)) {
+                for (product, other) in products.iter_mut().zip(row) {
+                    *product += own * other;
+                }
             }
-            series
-        };
-        let columns: Vec<Vec<f64>> = columns.iter().map(|column| white(column)).collect();
-        let rest = white(rest);
-        let normal = Symmetric::from_fn(columns.len(), |a, b| dot(&columns[a], &columns[b]));
-        let right: Vec<f64> = columns.iter().map(|column| dot(column, &rest)).collect();
-        let (shift, determinant) = normal.solve_with_log_determinant(&right);
-        let square = dot(&rest, &rest) - dot(&right, &shift);
+        }
+        let searched = width - 1;
+        let normal = Symmetric::from_fn(searched, |a, b| products[a * width + b]);
+        let right = &products[searched * width..][..searched];
+        let (shift, determinant) = normal.solve_with_log_determinant(right);
+        let square = products[width * width - 1] - dot(right, &shift);
         let variance = (square / freedom).max(f64::MIN_POSITIVE);
         let deviance = whitener.log_determinant() + determinant + freedom * variance.ln();
         Asked {

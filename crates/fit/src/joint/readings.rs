@@ -2,10 +2,11 @@
 
 use crate::instrument_noise::ChannelNoises;
 use crate::joint::policy::LEAST_NOISE_PART;
+use crate::kind_of_noise::{KindEvidence, ToldOfNoise};
 use crate::sampled::Sampled;
 #[cfg(test)]
 use ieap_domain::{Channel, Quantity};
-use ieap_domain::{Drive, Estimate, KindEvidence};
+use ieap_domain::{Drive, Estimate};
 use ieap_model::LumpedModel;
 use ieap_model::lumped::SegmentResponse;
 use ieap_numerics::noise::local_scatter;
@@ -55,17 +56,19 @@ impl Response {
         }
     }
 
-    /// The same with the kinds of noise that a fit tells which has `left` so much of the readings and searched `columns`, given at
-    /// times in s; none where too few readings are left to tell any.
-    pub(crate) fn with_kinds(
-        self,
+    /// With the kinds of noise that a fit tells which has `left` so much of the readings and searched `columns`, given at times in s;
+    /// none where too few readings are left to tell any.
+    pub(crate) fn by_kinds(
+        sampled: Sampled,
         left: &[f64],
         columns: impl FnOnce(&[f64]) -> Vec<Vec<f64>>,
         known: &ChannelNoises,
     ) -> Option<Response> {
-        let floor = self.noise.floor.max(f64::MIN_POSITIVE);
-        let scale: Vec<f64> = self.noise.sd.iter().map(|sd| sd / floor).collect();
-        let bins = Bins::of(&self.sampled);
+        let least = LEAST_NOISE_PART * peak(&sampled.values);
+        let noise = Noise::beside_fit(&sampled, left, least);
+        let floor = noise.floor.max(f64::MIN_POSITIVE);
+        let scale: Vec<f64> = noise.sd.iter().map(|sd| sd / floor).collect();
+        let bins = Bins::of(&sampled);
         let per_scale: Vec<f64> = scale.iter().map(|scale| scale.recip()).collect();
         let per_scale = bins.means(&per_scale);
         let mut columns = columns(&bins.time_s);
@@ -80,16 +83,16 @@ impl Response {
             .zip(&scale)
             .map(|(left, scale)| left / scale)
             .collect();
-        let least = LEAST_NOISE_PART * peak(&self.sampled.values);
-        let kinds = KindsOfNoise::of(&self.sampled, bins, &left, &columns, least, known)?;
+        let kinds = KindsOfNoise::of(&sampled, bins, &left, &columns, least, known)?;
         Some(Response {
-            compressed: Compressed::by_means(&self.sampled, &kinds, &scale),
+            whitener: noise.whitener(&sampled),
+            compressed: Compressed::by_means(&sampled, &kinds, &scale),
             evidence: kinds.evidence,
             noise: Noise {
                 freedom: kinds.freedom,
-                ..self.noise
+                ..noise
             },
-            ..self
+            sampled,
         })
     }
 
@@ -174,11 +177,12 @@ impl<'a> RunReadings<'a> {
     }
 
     /// What the readings of current and curvature tell of every kind of noise.
-    pub(crate) fn evidence(&self) -> [Vec<KindEvidence>; 2] {
-        [&self.current, &self.curvature].map(|own| {
-            own.as_ref()
-                .map_or(Vec::new(), |response| response.evidence.clone())
-        })
+    pub(crate) fn told_of_noise(self) -> ToldOfNoise {
+        let of = |own: Option<Response>| own.map_or(Vec::new(), |response| response.evidence);
+        ToldOfNoise {
+            current: of(self.current),
+            curvature: of(self.curvature),
+        }
     }
 
     /// Memories of the noise of current and curvature that weigh a fit; none of a channel that is not there.

@@ -6,7 +6,7 @@ use crate::electrical::Electrical;
 use crate::joint::policy::{CHOSEN_WIDER, FOLLOWED_LOG};
 use crate::policy::{BRANCH_CLEAR, BRANCH_EVIDENCE, NARROW_PART};
 use crate::zero::Zero;
-use ieap_domain::{Estimate, KindEvidence};
+use ieap_domain::Estimate;
 use ieap_numerics::least_squares::{Minimum, Problem, Stop};
 use ieap_numerics::student::quantile_95;
 
@@ -39,8 +39,6 @@ pub(crate) struct Judged {
     pub(crate) zeros: [Option<Zero>; 2],
     /// Memories of the noise of current and curvature that weighed the fit.
     pub(crate) memories: [Option<Estimate>; 2],
-    /// What current and curvature tell of every kind of noise; nothing where it was not asked.
-    pub(crate) evidence_of_noise: [Vec<KindEvidence>; 2],
     /// Why the search stopped.
     pub(crate) stop: Stop,
     /// Evaluations.
@@ -156,7 +154,6 @@ impl Judged {
             fitted: [None, None],
             zeros: [None; 2],
             memories: [None, None],
-            evidence_of_noise: [Vec::new(), Vec::new()],
             stop: bottom.stop,
             evaluations: bottom.evaluations,
             parabolic: false,
@@ -174,7 +171,6 @@ impl Judged {
         self.stop = bottom.stop;
         self.zeros = problem.zeros(0, bottom);
         self.memories = problem.runs[0].memories();
-        self.evidence_of_noise = problem.runs[0].evidence();
         self.fitted = problem.runs[0].fitted(&problem.model(&local), problem.offsets(&local));
     }
 

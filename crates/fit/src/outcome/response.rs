@@ -152,7 +152,7 @@ fn character(sampled: &Sampled, left: &[f64]) -> NoiseCharacter {
         correlation_time_s,
         proportional: noise.proportional,
         quantum: noise.quantum,
-        kinds: Vec::new(),
+        runs_of_instrument: 0,
     }
 }
 

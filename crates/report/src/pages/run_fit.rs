@@ -206,10 +206,17 @@ fn said_once(reasons: &str) -> &str {
 fn noise_fact(noise: &ChannelNoise) -> Fact {
     let amount = in_unit(noise.standard_deviation, noise.quantity.unit());
     let label = format!("{} noise", noise.quantity.label().to_lowercase());
+    let told = match noise.character.runs_of_instrument {
+        0 => String::new(),
+        others => format!(
+            "; how slow it may be {} of the instrument told as well",
+            counted(others as usize, "other run")
+        ),
+    };
     (
         label,
         format!(
-            "{amount} ({}; {})",
+            "{amount} ({}; {}{told})",
             noise.basis,
             counted(noise.readings, "reading")
         ),
@@ -246,5 +253,16 @@ mod tests {
             ..noise(1.0, 0.0)
         };
         assert!(noise_sentence(&silent).contains("could not be estimated"));
+    }
+
+    #[test]
+    fn noise_that_other_runs_told_of_says_how_many() {
+        let alone = noise(1e-6, 0.0);
+        assert!(!noise_fact(&alone).1.contains("instrument"));
+        let mut told = alone;
+        told.character.runs_of_instrument = 1;
+        assert!(noise_fact(&told).1.contains("1 other run of the instrument"));
+        told.character.runs_of_instrument = 15;
+        assert!(noise_fact(&told).1.contains("15 other runs of the instrument"));
     }
 }

@@ -3,11 +3,12 @@
 
 use super::RunAtHand;
 use super::fit::{FitAtHand, fit, options_as_asked};
-use crate::domain::{AskedFit, Channel, Drive, Issue};
+use crate::domain::{AskedFit, Channel, Drive, Issue, KnownParameter};
 use crate::fit::FitOptions;
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::fits::choice::FitChoice;
-use crate::pipeline::fits::input_hash::input_hash;
+use crate::pipeline::fits::input_hash::{input_hash, input_hash_beside, is_weighed_by_kinds};
+use crate::pipeline::fits::instruments::NoiseOfOthers;
 use crate::pipeline::fits::result::FitResult;
 use crate::store::FitTask;
 
@@ -34,6 +35,8 @@ pub struct CampaignRow {
     pub channels: Vec<Channel>,
     /// How the campaign fits it.
     pub chosen: AskedFit,
+    /// What other runs of its instrument tell of its noise.
+    pub noise: NoiseOfOthers,
 }
 
 impl CampaignRow {
@@ -52,6 +55,8 @@ impl CampaignRow {
                 electrode_resistance_error_ohm_per_sq: self.electrode_resistance_error_ohm_per_sq,
                 data_hash: self.data_hash.clone(),
                 sample: None,
+                instrument: None,
+                started_at: None,
                 last_asked: AskedFit::default(),
             },
             tags: Default::default(),
@@ -64,7 +69,12 @@ impl CampaignRow {
         let asked = choice.asked();
         let run = self.at_hand();
         let options = self.options(&run, &asked);
-        let made = options.and_then(|options| fit(&run, &options, &asked.known));
+        let made = options.and_then(|options| {
+            let told = options.told_by(&self.noise.noise);
+            let (fit, stated) = fit(&run, &told, &asked.known)?;
+            let input_hash = self.hash_beside(&run, &options, &asked.known);
+            Ok((fit, FitAtHand { input_hash, ..stated }))
+        });
         let hash = made
             .as_ref()
             .map_or(&self.input_hash, |(_, stated)| &stated.input_hash);
@@ -73,9 +83,16 @@ impl CampaignRow {
         (made.map(|(_, stated)| stated), result)
     }
 
+    /// Hash of everything that its fit depends on, in which others tell of its noise.
+    fn hash_beside(&self, run: &RunAtHand, options: &FitOptions, known: &[KnownParameter]) -> String {
+        let is_weighed = is_weighed_by_kinds(&run.task, options, known);
+        let others = self.noise.made_from.iter().filter(|_| is_weighed);
+        input_hash_beside(input_hash(&run.task, options, known), others.map(String::as_str))
+    }
+
     fn options(&self, run: &RunAtHand, asked: &AskedFit) -> Result<FitOptions<'static>, Issue> {
         let options = options_as_asked(&asked.or(&self.chosen))?;
-        if asked.is_open() && input_hash(&run.task, &options, &[]) != self.input_hash {
+        if asked.is_open() && self.hash_beside(run, &options, &[]) != self.input_hash {
             let message = "what stands in the row is not what its input_hash is of";
             let issue = Issue::error("other-input", message).at("input_hash");
             return Err(issue.mend(format!(

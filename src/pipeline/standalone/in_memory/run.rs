@@ -180,6 +180,8 @@ impl RunAtHand {
                 electrode_resistance_error_ohm_per_sq: None,
                 data_hash: stamp(&read.channels, &tags),
                 sample: None,
+                instrument: None,
+                started_at: None,
                 last_asked: AskedFit::default(),
             },
             tags,

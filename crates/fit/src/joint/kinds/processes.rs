@@ -203,6 +203,33 @@ impl BinWhitener {
     }
 }
 
+impl BinWhitener {
+    /// Whitens series that stand side by side, `width` values a mean.
+    pub(super) fn whiten_beside(&self, bins: &Bins, series: &mut [f64], width: usize) {
+        let count = self.processes;
+        let mut states = vec![0.0; count * width];
+        for &(from, to) in &bins.spans {
+            states.fill(0.0);
+            for bin in from..to {
+                let row = &mut series[bin * width..(bin + 1) * width];
+                let steps = &self.steps[bin * count..(bin + 1) * count];
+                for (step, states) in steps.iter().zip(states.chunks_exact_mut(width)) {
+                    for (state, value) in states.iter_mut().zip(row.iter_mut()) {
+                        *state *= step.between;
+                        *value -= step.part * *state;
+                    }
+                }
+                for (step, states) in steps.iter().zip(states.chunks_exact_mut(width)) {
+                    for (state, value) in states.iter_mut().zip(row.iter()) {
+                        *state = step.within * *state + step.gain * value;
+                    }
+                }
+                row.iter_mut().for_each(|value| *value *= self.per_new[bin]);
+            }
+        }
+    }
+}
+
 /// Processes at most.
 pub(super) const MOST_PROCESSES: usize = 24;
 
@@ -268,6 +295,11 @@ mod tests {
             unit
         };
         let columns: Vec<Vec<f64>> = (0..n).map(white).collect();
+        let mut beside: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
+        whitener.whiten_beside(&bins, &mut beside, n);
+        for (k, value) in beside.iter().enumerate() {
+            assert!((value - columns[k % n][k / n]).abs() < 1e-12, "{k}");
+        }
         for a in 0..n {
             for b in 0..=a {
                 let found: f64 = columns[a].iter().zip(&columns[b]).map(|(a, b)| a * b).sum();
