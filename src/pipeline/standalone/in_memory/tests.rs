@@ -9,6 +9,8 @@ use crate::domain::{AskedFit, Drive, Level, Segment};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::documents::diagnosis::diagnosis_document;
 use crate::pipeline::documents::fits::fits_document;
+use crate::pipeline::fits::instruments::Told;
+use crate::pipeline::fits::plan::fit_plan;
 use crate::pipeline::show::plain_tables::{plain_table, stored_readings};
 use crate::pipeline::standalone::simulate::{Noise, Simulate};
 use crate::pipeline::{Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, Silent};
@@ -132,7 +134,10 @@ fn row_of(context: &Context, at: usize) -> CampaignRow {
     let run = standing::speaking(context).unwrap().remove(at);
     let task = context.store.fit_tasks().unwrap().remove(at);
     let stored = fits_document(context).unwrap().fits.remove(at);
+    let plan = fit_plan(context, &AskedFit::default()).unwrap();
+    let planned = plan.single.iter().find(|own| own.task.path == task.path).unwrap();
     CampaignRow {
+        noise: Told::default().to(context, planned).unwrap(),
         run: run.path.clone(),
         data_hash: run.data_hash.clone(),
         input_hash: context
