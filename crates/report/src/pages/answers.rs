@@ -14,7 +14,7 @@ use ieap_analysis::dma::view::in_short;
 use ieap_analysis::monitoring::forecasts::{Dates, forecasts};
 use ieap_analysis::study;
 use ieap_domain::GroupDiagnosis;
-use ieap_domain::finding_words::{causes, gain_in_short};
+use ieap_domain::finding_words::{causes, gain_in_short, short_name};
 
 /// A sentence with the page that tells more.
 #[derive(Debug, PartialEq, Serialize)]
@@ -81,7 +81,12 @@ fn lacks(site: &Site) -> Option<Said> {
     let mut by_cause: BTreeMap<String, Vec<&GroupDiagnosis>> = BTreeMap::new();
     for found in of(Outcome::WrongWithCause) {
         let about = |id: &str| findings.effect(id).map(|effect| effect.summary.as_str());
-        by_cause.entry(causes(found, &about)).or_default().push(found);
+        // One law in full; of several what each is called: the page of the group says more.
+        let cause = match found.missing.as_slice() {
+            [] | [_] => causes(found, &about),
+            several => in_a_row(&several.iter().map(short_name).collect::<Vec<_>>()),
+        };
+        by_cause.entry(cause).or_default().push(found);
     }
     let uncaused: Vec<&GroupDiagnosis> = of(Outcome::Wrong).collect();
     let cause = |(cause, of): (&String, &Vec<&GroupDiagnosis>)| {

@@ -47,9 +47,13 @@ tags = { sample = "S", environment = "air" }
 
 /// A campaign of two simulated runs, fitted.
 fn campaign(folder: &Path) -> Context {
+    campaign_of(folder, SPEC)
+}
+
+fn campaign_of(folder: &Path, runs: &str) -> Context {
     fs::write(folder.join("campaign.toml"), CAMPAIGN).unwrap();
     let spec = folder.join("simulation.toml");
-    fs::write(&spec, SPEC).unwrap();
+    fs::write(&spec, runs).unwrap();
     let simulate = Simulate {
         spec,
         seed: None,
@@ -83,7 +87,9 @@ fn run_of_file(file: &Path, name: &str) -> RunAtHand {
 #[test]
 fn a_fit_of_a_file_and_of_arrays_is_the_campaigns() {
     let folder = tempfile::tempdir().unwrap();
-    let context = campaign(folder.path());
+    // Alone of its instrument, as readings are that no campaign holds.
+    let alone = SPEC.replacen(r#""air" }"#, r#""air", instrument = "own" }"#, 1);
+    let context = campaign_of(folder.path(), &alone);
     let stored = &fits_document(&context).unwrap().fits[0];
     let options = fit_options(&FitChoice::default()).unwrap();
 
