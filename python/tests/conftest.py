@@ -54,7 +54,7 @@ file = "{name}.csv"
 area_cm2 = 0.1
 voltage_v = {voltage_v}
 parameters = {{ {parameters} }}
-tags = {{ sample = "S", environment = "air" }}
+tags = {{ sample = "S", environment = "air", instrument = "{name}" }}
 """
 LEAK = 'effect = [{ id = "faradaic-leak", leak_current_a_per_cm2 = 2e-4, onset_v = 1.2, slope_v = 0.15 }]\n'
 
@@ -74,7 +74,7 @@ def in_toml(parameters: dict[str, float]) -> str:
 
 @pytest.fixture(scope="session")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Runs at 1.5 and 2 V, fitted, and diagnosed with few draws."""
+    """Runs at 1.5 and 2 V, fitted, and diagnosed with few draws. Each is alone of its instrument, as readings in memory are."""
     folder = tmp_path_factory.mktemp("campaign")
     (folder / "campaign.toml").write_text(CAMPAIGN)
     runs = [RUN.format(name=name, voltage_v=v, parameters=in_toml(PARAMETERS)) for name, v in (("a", 1.5), ("b", 2.0))]

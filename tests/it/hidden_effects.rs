@@ -57,8 +57,8 @@ fn the_worked_example_is_simulated_taken_in_and_fitted() {
             low - margin < expected && expected < high + margin,
             "{run}: {found}"
         );
-        // Its edges lie between readings, and its zero is fitted.
-        assert!(margin < 0.45 * expected, "{run}: {found}");
+        // Its edges lie between readings, its zero is fitted, and five runs leave it open whether the noise is slow.
+        assert!(margin < 0.55 * expected, "{run}: {found}");
     }
 }
 
