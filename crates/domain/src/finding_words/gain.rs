@@ -74,7 +74,10 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
         (false, _) if better == 0 => format!("none of the {what}"),
         (false, _) => format!("{better} of {all} {what}"),
     };
-    let is_one = all == 1 || (better < all && better < 2);
+    let is_several = ["runs", "drives", "stretches"]
+        .iter()
+        .any(|word| what.contains(word));
+    let is_one = !is_several || (better < all && better < 2);
     let are = if is_one { "is" } else { "are" };
     let sum = match gain.deviance > 0.0 {
         _ if gain.is_clear() => "",
@@ -100,10 +103,10 @@ pub fn gain_words(with: &str, what: &str, gain: &HeldOutGain, predictions: &[Pre
     let is_worse = |error: &&StatedError| error.grows && (error.grows_clearly || better.is_empty());
     let worse: Vec<&StatedError> = stated.iter().filter(is_worse).collect();
     let is_any_larger = stated.iter().any(|error| error.grows);
-    let what = if all == 1 {
-        format!("the {what}")
-    } else {
+    let what = if is_several {
         what.to_owned()
+    } else {
+        format!("the {what}")
     };
     match (better.is_empty(), worse.is_empty()) {
         (true, true) => format!("With {with} {which} {are} predicted better{sum}."),
