@@ -10,7 +10,7 @@ mod columns;
 mod drawn;
 mod evidence;
 pub(crate) mod look;
-mod policy;
+pub(crate) mod policy;
 mod posterior;
 mod simple;
 mod told;

@@ -22,6 +22,7 @@ use crate::misfit::visible::visible_percent;
 use crate::misfit::whereabouts::whereabouts;
 use crate::missing::account::account;
 use crate::missing::look::{Found, Lead};
+use crate::missing::policy::INEXACT;
 use crate::options::DiagnoseOptions;
 use crate::outcome::alone::{alone, are_right};
 use crate::outcome::gain::{gain, gain_of_runs};
@@ -161,8 +162,9 @@ impl<'g> FindingBuilder<'_, 'g> {
     }
 
     /// Whether it is said of runs that are each right by themselves that they differ: of these nothing is wrong but that one set
-    /// of parameters is to describe them. A law that leaves more than chance is said instead where it predicts runs left out that
-    /// others lie on both sides of better than lines of the parameters over the voltage do.
+    /// of parameters is to describe them. A law that leaves more than chance is said instead where it explains as much as
+    /// parameters of each run's own, but for what no law is exact to, and predicts runs left out that others lie on both sides of
+    /// better than lines of the parameters over the voltage do.
     fn rather_differs(&self, missing: &Found<'g>, by_voltage: Option<&HeldOut>) -> bool {
         if missing.varying.is_none() {
             return false;
@@ -170,6 +172,10 @@ impl<'g> FindingBuilder<'_, 'g> {
         let Some(lead) = missing.lead.as_ref().filter(|_| !missing.laws.is_empty()) else {
             return true;
         };
+        let account = &missing.account;
+        if account.between_runs > INEXACT * account.beyond_noise() {
+            return true;
+        }
         let beside = by_voltage.and_then(|lines| {
             let both = HeldOut {
                 before: lines.after.clone(),
