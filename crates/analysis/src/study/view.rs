@@ -45,7 +45,7 @@ const INTERVAL: Quantity = Quantity::plain(
 );
 const FITS_INTERVAL: Quantity = Quantity::plain(
     "interval_95_by_fits",
-    "95 % by errors of fits alone",
+    "95 %, fits alone",
     "its 95 % interval by the errors of the fits alone",
 );
 const MOST_AT: Quantity = Quantity::new(
