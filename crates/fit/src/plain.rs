@@ -50,6 +50,7 @@ pub(crate) fn judge(input: &FitInput, options: &FitOptions, identified: &mut Ide
     let bending = identified.curvature.as_ref().ok();
     let branches = options.model.branches;
     if let NoiseBy::Kinds(known) = options.noise
+        && options.is_weighed_by_kinds()
         && !electrical.conductances_a_per_v.is_empty()
     {
         return by_kinds(input, branches, (current, electrical), bending, known);
