@@ -486,6 +486,7 @@ mod needs_shared {
                     hand: &[],
                     planned: &[],
                     kept: &[],
+                    held: None,
                     header: &[],
                     channel_voltage_v: Some(5.0),
                     has_voltage: true,

@@ -71,6 +71,16 @@ fn a_tagged_run_keeps_its_tags_while_its_sidecar_is_broken() {
     let of_a = &during["fits"][0];
     assert!(of_a["issues"].to_string().contains("keeps the tags"), "{of_a:#}");
     assert_eq!(unreadable_in_status(&folder)[0]["runs"], 1);
+    // What somebody says meanwhile holds at once, with all that follows from it, and may be taken back.
+    for (said, sample) in [("sample=S1", "S1"), ("sample=", "S2")] {
+        folder.ieap(&["tag", "runs/a.csv", said]).expect(3);
+        let found = fits(&folder, 3);
+        assert_eq!(sample_of(&found, "runs/a.csv"), Some(sample), "{found:#}");
+        assert_eq!(
+            found["fits"][0]["parameters"] == of_a["parameters"],
+            sample == "S2"
+        );
+    }
     // Mended to what it said before: nothing is tagged or fitted anew.
     folder.write("runs/a.csv.toml", "sample = \"S2\"\n");
     let summary = folder.run_json();

@@ -12,8 +12,7 @@ use super::read_files::supersede_parts;
 use super::results::retire_of_run;
 use super::rows::RUN;
 use super::{FileRow, RunContent, StepError, Store, StoreError, Transaction};
-use ieap_domain::tag::UNREADABLE;
-use ieap_domain::{Issue, RunState, Tag, TagSource};
+use ieap_domain::{RunState, Tag, TagSource};
 
 impl Store {
     /// Stores what was read from files, whole or not at all: the files, their contents, and each run as the
@@ -67,26 +66,6 @@ impl Store {
                 retire_of_run(transaction, now, run_id)?;
             }
             Ok(())
-        })
-    }
-
-    /// Leaves the tags of a run and what follows from them as they are, and records why: what states them cannot be read.
-    /// `digest` is that of the sources as they are now.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn hold_tags(
-        &mut self,
-        now: &str,
-        run_id: i64,
-        digest: &str,
-        issues: &[Issue],
-    ) -> Result<(), StoreError> {
-        self.write("holding tags", now, |transaction| {
-            change_tags(transaction, run_id, digest, |tagging| {
-                tagging.issues.retain(|issue| !UNREADABLE.contains(&&*issue.code));
-                tagging.issues.extend_from_slice(issues);
-            })
         })
     }
 

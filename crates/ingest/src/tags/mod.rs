@@ -60,6 +60,9 @@ pub struct TagRequest<'a> {
     /// What files beside the readings and run sheets stated when the file of the readings was last there: it holds where they
     /// are gone with it. Empty where the file is there.
     pub kept: &'a [Tag],
+    /// The tags that the run had, where something that states some of them cannot be read now: they hold in place of what every
+    /// source says but people's words and logs. None where all can be read.
+    pub held: Option<&'a [Tag]>,
     /// Tags of the file's header: tag key, value, and the header's own name of it.
     pub header: &'a [(String, String, String)],
     /// Nominal level of the voltage channel, V, where the file has one.

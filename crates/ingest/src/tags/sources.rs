@@ -28,6 +28,16 @@ impl TagFiles {
 /// Tags of every source but the environment's defaults, strongest first, nearest file first.
 pub(super) fn stated(request: &TagRequest, issues: &mut Vec<Issue>) -> Vec<Tag> {
     let mut tags = request.hand.to_vec();
+    if let Some(held) = request.held {
+        let is_known_now = |tag: &&Tag| {
+            tag.source == TagSource::Hand
+                || tag.source == TagSource::EnvironmentDefault
+                || tag.source.is_measured_climate()
+        };
+        tags.extend(held.iter().filter(|tag| !is_known_now(tag)).cloned());
+        tags.extend_from_slice(request.ambient);
+        return tags;
+    }
     tags.extend(in_tag_files(
         request.tag_files,
         request.data_files,
@@ -91,6 +101,10 @@ pub(super) fn of_other_names(request: &TagRequest, issues: &mut Vec<Issue>) -> V
     let mut read: Vec<PathBuf> = own.map(|(path, _)| path).collect();
     let mut of_name = |other: &OtherName| {
         let mut tags = other.hand.clone();
+        // What else was stated of it is among what is held.
+        if request.held.is_some() {
+            return tags;
+        }
         for (path, source) in request.tag_files.of_file(&other.file) {
             if !read.contains(&path) {
                 tags.extend(in_file(request.tag_files, &path, source, issues).unwrap_or_default());

@@ -68,14 +68,7 @@ pub fn retag_runs(
         let changed = digest != stored;
         if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
             let said_of = sources.said_of;
-            due.insert(
-                run_id,
-                Due {
-                    digest,
-                    changed,
-                    said_of,
-                },
-            );
+            due.insert(run_id, Due { changed, said_of });
         }
     }
     if due.is_empty() {
@@ -95,23 +88,19 @@ pub fn retag_runs(
         together(context, |context| {
             for run in batch {
                 let (due, others) = (&due[&run.id], others_of(run.id));
-                match held_by(context, run, others) {
-                    Some(issues) if due.changed => {
-                        context.store.hold_tags(&now(), run.id, &due.digest, &issues)?;
-                    }
-                    // Only its date could be told now: that waits for what cannot be read, too.
-                    Some(_) => {}
-                    None if retag(
+                let held = held_by(context, run, others);
+                // Where only its date could be told now that waits for what cannot be read, too.
+                if (held.is_none() || due.changed)
+                    && retag(
                         context,
                         &shelf,
                         (run, &due.said_of),
                         others,
                         gone.contains(&run.id),
-                    )? =>
-                    {
-                        retagged.push(run.path.clone())
-                    }
-                    None => {}
+                        held,
+                    )?
+                {
+                    retagged.push(run.path.clone());
                 }
             }
             Ok(())
@@ -126,9 +115,7 @@ pub fn retag_runs(
 
 /// Why a run is looked at again.
 struct Due {
-    /// Of its tag sources as they are now.
-    digest: String,
-    /// Whether the digest is another one than before.
+    /// Whether the digest of its tag sources is another one than before.
     changed: bool,
     /// What words of people hang on that hold of it.
     said_of: Vec<String>,
@@ -173,8 +160,8 @@ fn stated_beside(tags: &[Tag]) -> impl Iterator<Item = &Tag> {
     tags.iter().filter(move |tag| sources.contains(&tag.source))
 }
 
-/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none. Where the file of the
-/// readings is gone, what was stated beside it holds: a disk that is not mounted, or a folder that was moved away, takes no
+/// Tags a run anew; says whether that is news: a file that was mended to what it said before is none, and one that cannot be
+/// read now is none. What people said holds at once also where the rest is held. Where the file of the readings is gone, what was stated beside it holds: a disk that is not mounted, or a folder that was moved away, takes no
 /// tags from runs that stay.
 fn retag(
     context: &mut Context,
@@ -182,6 +169,7 @@ fn retag(
     (run, said_of): (&RunRecord, &[String]),
     other_names: &[String],
     is_gone: bool,
+    held: Option<Vec<Issue>>,
 ) -> Result<bool, PipelineError> {
     let (time_zero_is_step, is_step_response) = context.store.reading_facts(run.id)?;
     let channels = context.store.channels_as_read(run.id)?;
@@ -215,10 +203,11 @@ fn retag(
             .collect(),
         started_at,
         kept: is_gone.then(|| stated_beside(&run.tags).cloned().collect()),
+        held: held.map(|why| (run.tags.as_slice(), why)),
     };
     let tagging = tagging(context, shelf, &input)?;
     let was_held = run.state != RunState::Untagged && run.issues.iter().any(is_unreadable);
-    let is_news = !(was_held || is_gone) || tagging.tags != run.tags;
+    let is_news = !(was_held || is_gone || input.held.is_some()) || tagging.tags != run.tags;
     context.store.retag(&now(), run.id, &tagging)?;
     if is_gone && !stated_beside(&tagging.tags).eq(stated_beside(&run.tags)) {
         for file in &run.files {

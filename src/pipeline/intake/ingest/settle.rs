@@ -378,6 +378,7 @@ fn new_run(
             .collect(),
         started_at: of_run(&origin, &part.channels),
         kept: None,
+        held: None,
     };
     Ok(NewRun {
         tagging: tagging(context, shelf, &input)?,

@@ -53,6 +53,8 @@ pub struct TaggingInput<'a> {
     pub started_at: Option<StartedAt>,
     /// What was stated beside a file that is gone; none where it is there.
     pub kept: Option<Vec<Tag>>,
+    /// The tags that the run had and why they hold, where what states some of them cannot be read.
+    pub held: Option<(&'a [Tag], Vec<Issue>)>,
 }
 
 /// Tags a run with what [`Context::stated`] holds of its tag files.
@@ -91,6 +93,7 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         hand: &hand,
         planned: &planned,
         kept: input.kept.as_deref().unwrap_or_default(),
+        held: input.held.as_ref().map(|(tags, _)| *tags),
         header: &header,
         channel_voltage_v,
         has_voltage: drive::has_voltage(input.channels),
@@ -123,8 +126,10 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
             ..request
         })
     };
-    let doubts = doubts(context, input.run_path, &files, input.other_names);
-    resolved.issues.extend(doubts);
+    if input.held.is_none() {
+        let doubts = doubts(context, input.run_path, &files, input.other_names);
+        resolved.issues.extend(doubts);
+    }
     let digest = digest(
         context,
         shelf,
@@ -145,6 +150,8 @@ pub fn tagging(context: &Context, shelf: &Shelf, input: &TaggingInput<'_>) -> Re
         RunKind::Impedance => conclude_spectrum(context, input, resolved, digest),
     };
     tagging.issues.extend(open_date);
+    let why_held = input.held.iter().flat_map(|(_, why)| why);
+    tagging.issues.extend(why_held.cloned());
     tagging.issues.extend(climate.issues);
     (tagging.climate, tagging.climate_curves) = (climate.climate, climate.curves);
     Ok(tagging)

@@ -145,6 +145,7 @@ impl RunAtHand {
             header_tags: Vec::new(),
             started_at: None,
             kept: None,
+            held: None,
         };
         let tags: BTreeMap<String, String> = chosen(&resolved);
         let tagging = conclude(Some(&sample), &input, resolved, String::new());
