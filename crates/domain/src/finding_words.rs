@@ -20,8 +20,9 @@ pub type About<'a> = dyn Fn(&str) -> Option<&'a str> + 'a;
 
 /// Explanations at most that are told where none is sure. Chosen.
 const MOST_EXPLANATIONS: usize = 4;
-/// Part of the error, percent, from which on a law takes all of it: less is not worth a number. Chosen.
-const ALL_OF_IT: f64 = 98.0;
+/// No law is exact: what it leaves of the error within this part is not worth a number, and what a rival explains less within
+/// this part of what the best explains does not rule it out. Chosen.
+pub const INEXACT: f64 = 0.02;
 /// Parameters that differ which are told by name at most. Chosen.
 const MOST_DIFFERING: usize = 3;
 /// Least probability of an explanation that is told where none is sure. Chosen.
@@ -104,7 +105,7 @@ fn sentence(found: &GroupDiagnosis, about: &About) -> Option<String> {
 /// What the laws take of the error, where they leave some of it.
 fn taken(found: &GroupDiagnosis) -> String {
     let part = found.account.map(|own| own.share(own.within_runs));
-    let part = part.filter(|part| *part < ALL_OF_IT);
+    let part = part.filter(|part| *part < 100.0 * (1.0 - INEXACT));
     part.map_or_else(String::new, |part| {
         format!(" That is {} % of the error.", significant(part, 2))
     })

@@ -176,7 +176,7 @@ fn told(run: &Drawn) -> Result<ToldOfNoise, Box<dyn std::error::Error>> {
         drive: &run.drive,
         area_cm2: AREA_CM2,
     };
-    Ok(told_of_noise(&input, &FitOptions::for_model("lumped-2")?))
+    Ok(told_of_noise(&input, &FitOptions::for_model("lumped-2")?)?)
 }
 
 /// What fits of many runs state of one parameter.

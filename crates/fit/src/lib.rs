@@ -72,6 +72,7 @@ pub use outliers::{
     left_out_in_words, without_outliers,
 };
 pub use own_clock::{Aligned, aligned};
+pub use policy::MOST_RUNS_OF_INSTRUMENT;
 pub use whitened::WhitenedChannel;
 
 use plain::{bent_alone, in_two_steps, judge};
@@ -147,27 +148,30 @@ fn fit_cleaned(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> 
 
 /// What a run tells of the noise of its instrument, by the model and the method of `options`: nothing where a fit of it would not be
 /// weighed by [kinds of noise](NoiseBy::Kinds). It does not depend on what is known of the instrument.
-pub fn told_of_noise(input: &FitInput, options: &FitOptions) -> ToldOfNoise {
-    let told = || {
-        let cleaned = Cleaned::of(input);
-        let input = cleaned.input(input);
-        Readings::new(&input).ok()?.check(&input, options).ok()?;
-        let aligned = aligned(&input, options).ok().flatten();
-        let input = FitInput {
-            channels: aligned.as_ref().map_or(input.channels, |own| &own.channels),
-            ..input
-        };
-        let (settled, step) = settled_edges::settled(&input, options).ok()?;
-        let placed = FitInput {
-            drive: settled.edges.drive(),
-            ..input
-        };
-        let mut identified = identify(&placed, options, Readings::new(&placed).ok()?, step.as_ref());
-        unseen_charge::look(&placed, options, &mut identified);
-        plain::told_of_noise(&placed, &identified)
+///
+/// # Errors
+/// Those of a fit of the run.
+pub fn told_of_noise(input: &FitInput, options: &FitOptions) -> Result<ToldOfNoise, FitError> {
+    if !options.is_weighed_by_kinds() || input.drive.moves() {
+        return Ok(ToldOfNoise::default());
+    }
+    let cleaned = Cleaned::of(input);
+    let input = cleaned.input(input);
+    Readings::new(&input)?.check(&input, options)?;
+    // Where clocks cannot be brought together the fit takes them as they are, and says so.
+    let aligned = aligned(&input, options).unwrap_or_default();
+    let input = FitInput {
+        channels: aligned.as_ref().map_or(input.channels, |own| &own.channels),
+        ..input
     };
-    let is_weighed = options.is_weighed_by_kinds() && !input.drive.moves();
-    is_weighed.then(told).flatten().unwrap_or_default()
+    let (settled, step) = settled_edges::settled(&input, options)?;
+    let placed = FitInput {
+        drive: settled.edges.drive(),
+        ..input
+    };
+    let mut identified = identify(&placed, options, Readings::new(&placed)?, step.as_ref());
+    unseen_charge::look(&placed, options, &mut identified);
+    Ok(plain::told_of_noise(&placed, &identified).unwrap_or_default())
 }
 
 /// Fits a run whose channels are on one clock.

@@ -11,14 +11,12 @@ use super::input_hash::{input_hash, is_weighed_by_kinds};
 use super::plan::{Planned, fit_plan};
 use crate::domain::fault::caught;
 use crate::domain::{AskedFit, Campaign};
-use crate::fit::{FitInput, FitOptions, InstrumentNoise, ToldOfNoise, told_of_noise};
+use crate::fit::{
+    FitInput, FitOptions, InstrumentNoise, MOST_RUNS_OF_INSTRUMENT, ToldOfNoise, told_of_noise,
+};
 use crate::ingest::derived;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::FitTask;
-
-/// Runs at most that tell of an instrument, a power of two. Counted (`cargo run -p ieap-fit --example noises`): with twelve, 97 % of
-/// intervals hold under red noise, and more add nothing; a fit reads no more of them than this.
-const MOST: usize = 16;
 
 /// A run that tells of the noise of its instrument, fitted as campaign.toml states whatever is asked for it.
 #[derive(Debug)]
@@ -50,8 +48,9 @@ impl Instruments {
                 .push(task);
         }
         let tellers = by_instrument.into_iter().map(|(instrument, mut tasks)| {
-            tasks.sort_by_key(|task| (task.started_at.is_none(), &task.started_at, &task.path));
-            tasks.truncate(MOST.min(1 << tasks.len().ilog2()));
+            // Of those without a start the readings decide, which keep their hash under another name.
+            tasks.sort_by_key(|task| (task.started_at.is_none(), &task.started_at, &task.data_hash));
+            tasks.truncate(MOST_RUNS_OF_INSTRUMENT.min(1 << tasks.len().ilog2()));
             let telling = tasks.into_iter().map(|task| Telling {
                 task: task.clone(),
                 options,
@@ -74,7 +73,7 @@ impl Telling {
         self.task.run_id == task.run_id
     }
 
-    /// Where a fault of the program stops it it tells nothing; the fit of the run says what fault.
+    /// Nothing where no fit can be made of it, or a fault of the program stops it: the fit of the run says which.
     fn told(&self, context: &Context) -> Result<ToldOfNoise, PipelineError> {
         let measured = context.store.channels(self.task.run_id)?;
         let told = || {
@@ -84,7 +83,7 @@ impl Telling {
                 drive: &self.task.drive,
                 area_cm2: self.task.area_cm2,
             };
-            told_of_noise(&input, &self.options)
+            told_of_noise(&input, &self.options).unwrap_or_default()
         };
         Ok(caught(told).unwrap_or_default())
     }

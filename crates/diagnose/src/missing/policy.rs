@@ -20,8 +20,7 @@ pub(super) const SLOW: f64 = 0.05;
 pub(super) const UNFITTED: f64 = 5.0;
 /// Part of the weight of a law and variable that its smooth curves have; its equations have the rest.
 pub(super) const OF_CURVES: f64 = 0.5;
-/// No hypothesis is exact: what a rival explains less, within this part of what the best explains, does not rule it out.
-pub(crate) const INEXACT: f64 = 0.02;
+pub(crate) use ieap_domain::finding_words::INEXACT;
 
 /// Logarithm of the odds on held-out readings from which a law is told: nineteen to one, as of all that is sure.
 pub(super) const CLEAR_GAIN: f64 = 2.944;

@@ -23,8 +23,8 @@ struct Scale {
     errors: f64,
     /// Mean of their squares, in that of the noise.
     square: f64,
-    /// Mean fourth power over what it is of normal errors with these squares: 1 where all are of one size, a third of their number
-    /// where one is all that there is.
+    /// Mean fourth power over what it is of normal errors with these squares, beyond chance: 1 where all are of one size, a third of
+    /// their number where one is all that there is.
     apart: f64,
 }
 
@@ -36,7 +36,7 @@ impl Scale {
         Scale {
             errors: count,
             square,
-            apart: (mean(4) / (3.0 * square * square).max(f64::MIN_POSITIVE)).max(1.0),
+            apart: (mean(4) / (3.0 * square * square).max(f64::MIN_POSITIVE) - by_chance(count)).max(1.0),
         }
     }
 
@@ -44,6 +44,11 @@ impl Scale {
     fn size(self) -> f64 {
         self.square.max(1.0)
     }
+}
+
+/// How much larger the ratio of [`Scale::apart`] is of so many normal errors by two standard deviations of chance.
+fn by_chance(count: f64) -> f64 {
+    2.0 * (24.0 / count).sqrt() / 3.0
 }
 
 impl BlockError {
@@ -117,7 +122,7 @@ mod tests {
     #[test]
     fn a_gain_counts_by_the_readings_that_tell_by_themselves() {
         let in_noise = log_odds_of(|v| 3.0 * 1.02 * v, |v| 3.0 * v);
-        assert!((in_noise - 512.0 * 1.02_f64.ln()).abs() < 1.0, "{in_noise}");
+        assert!((in_noise - 512.0 * 1.02_f64.ln()).abs() < 0.2, "{in_noise}");
         let for_all = log_odds_of(|_| 10.0, |_| 1.0);
         assert!((for_all - 10.0_f64.ln()).abs() < 1e-9, "{for_all}");
         assert!(log_odds_of(|_| 1.0, |_| 10.0) < 0.0);
