@@ -152,6 +152,14 @@ impl Covariate {
         }
     }
 
+    /// Whether it is set or logged for a run, so that a study asks what it does; else it tells how a strip was used, or by whom.
+    pub fn is_condition(self) -> bool {
+        matches!(
+            self,
+            Covariate::Temperature | Covariate::Exposure | Covariate::TagNumber(_) | Covariate::TagName(_)
+        )
+    }
+
     /// How its values compare.
     pub fn kind(self) -> Kind {
         match self {

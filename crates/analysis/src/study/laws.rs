@@ -87,7 +87,8 @@ impl Asking<'_> {
         Some(self.law(&[(slope, 1.0)], self.asks(Factor::Humidity), blank))
     }
 
-    /// Laws of what differs from run to run beside what the study compares.
+    /// Laws of what differs from run to run beside environment, humidity and voltage. Where campaign.toml says nothing of what is
+    /// compared, the study asks of every condition among them.
     pub(super) fn other_laws(&self, material: usize, key: &'static str) -> Vec<Answer> {
         let all = self.others.get(&(material, key)).map_or(&[][..], Vec::as_slice);
         let answer = |other: &Other| {
@@ -96,7 +97,8 @@ impl Asking<'_> {
                 covariate: Some(other.of.key()),
                 ..self.blank(Kind::OtherLaw, material, key, (upper, lower))
             };
-            let answer = self.law(&[(&other.slope, 1.0)], false, blank);
+            let asks = self.rules.compare.is_empty() && other.of.is_condition();
+            let answer = self.law(&[(&other.slope, 1.0)], asks, blank);
             Answer {
                 from_to: answer.from_to.filter(|_| lower.is_empty()),
                 ..answer

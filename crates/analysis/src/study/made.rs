@@ -121,6 +121,12 @@ impl Study {
         self.answers.iter().filter(|answer| answer.is_of_study)
     }
 
+    /// Names of the conditions beside those of [`Study::compared`] that it asks of.
+    pub fn other_conditions(&self) -> Vec<&'static str> {
+        let others = self.asked().filter(|own| own.kind == Kind::OtherLaw);
+        distinct(others.filter_map(|own| own.covariate))
+    }
+
     /// Laws over what differs from run to run: of the humidity, of the voltage, of what else does.
     pub fn laws(&self) -> impl Iterator<Item = &Answer> {
         let laws = self.answers.iter().filter(|answer| answer.kind.is_law());

@@ -379,6 +379,7 @@ fn head(answer: &Answer) -> String {
         .split_once(" (")
         .map_or(answer.lower.as_str(), |(name, _)| name);
     match answer.kind {
+        Kind::OtherLaw if !lower.is_empty() => format!("With {}, against {lower}", answer.upper),
         kind if kind.is_law() => format!("With the {}{}", answer.upper, from_to(answer)),
         Kind::Voltage => format!("At {}, against {lower}", answer.upper),
         _ => format!("In {}, against {}", in_words(&answer.upper), in_words(lower)),

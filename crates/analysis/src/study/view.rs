@@ -348,9 +348,10 @@ fn answers(study: &Study) -> Vec<Block> {
 
 /// What was compared, and who said so.
 fn design(study: &Study) -> String {
-    let names: Vec<&str> = study.compared.iter().map(|factor| factor.key()).collect();
+    let mut names: Vec<&str> = study.compared.iter().map(|factor| factor.key()).collect();
+    names.extend(study.other_conditions());
     let all = in_a_row(&names);
-    let text = match (study.is_declared, study.compared.is_empty()) {
+    let text = match (study.is_declared, names.is_empty()) {
         (_, true) => "Nothing was varied that could be compared.".to_owned(),
         (true, _) => format!("The study compares {all}, as `[study]` in campaign.toml says."),
         (false, _) => format!("The campaign varies {all}; `[study]` in campaign.toml says what is asked."),

@@ -200,7 +200,7 @@ pub fn family(study: &Study) -> String {
         let judged = study.answers.iter().filter(|own| own.p.is_some());
         judged.filter(is_of).count()
     };
-    let questions = of(|own| own.is_of_study && !own.is_of_curve());
+    let questions = of(|own| own.is_of_study && !own.is_of_curve() && own.kind != Kind::OtherLaw);
     let curves = of(|own| own.is_of_study && own.is_of_curve());
     let mut families = vec![format!("{} of the study", counted(questions, "question"))];
     families.extend((curves > 0).then(|| counted(curves, "whole curve")));
