@@ -165,3 +165,36 @@ fn what_a_study_cannot_ask_is_refused_with_what_it_can() {
         "{warned:?}"
     );
 }
+
+/// The report keeps what the study answered: whoever asks afterwards is told the same as without it, and as before a report that
+/// somebody altered.
+#[test]
+fn what_a_report_keeps_is_what_is_told_without_it() {
+    let folder = folder();
+    folder.ieap(&["fit"]).expect(0);
+    let told = || -> Vec<String> {
+        let asked: [&[&str]; 4] = [
+            &["study", "--json"],
+            &["table", "contrasts", "--json"],
+            &["table", "laws", "--json"],
+            &["next", "--json"],
+        ];
+        asked.map(|words| folder.ieap(words).expect(0).stdout).into()
+    };
+    let without = told();
+    folder.ieap(&["report"]).expect(0);
+    assert_eq!(told(), without);
+    let kept = folder.join("report/.values");
+    let bytes = std::fs::read(&kept).unwrap();
+    // A number of a kept answer, one digit off: it would be read, and be wrong.
+    let mut altered = bytes.clone();
+    let last = altered.len() - 9;
+    altered[last] ^= 1;
+    std::fs::write(&kept, &altered).unwrap();
+    assert_eq!(told(), without);
+    // A run more is in none of the kept answers.
+    std::fs::write(&kept, bytes).unwrap();
+    folder.write("runs/PVdF-2_air_ignored_1V_3.csv", run(1.0, 31.0, 99.0));
+    folder.ieap(&["fit"]).expect(0);
+    assert_ne!(told()[0], without[0]);
+}

@@ -1,6 +1,5 @@
 //! The document that `ieap diagnose --json` prints: the current findings of a campaign.
 
-use crate::analysis::cache::Cache;
 use crate::analysis::groups::is_called;
 pub use crate::analysis::groups::title as group_title;
 pub use std::collections::BTreeMap;
@@ -22,6 +21,7 @@ use crate::analysis::study::{Study, sentence};
 use crate::domain::{EffectFinding, Fault, GroupDiagnosis, Verdict};
 use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::findings::current::findings_among;
+use crate::pipeline::findings::kept;
 use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::findings::next_runs::{self, PlannedIds, PlannedRun};
 use crate::pipeline::findings::study;
@@ -185,12 +185,12 @@ pub fn diagnosis_document(
         speaking: runs,
         set_aside,
     } = Runs::of(all);
-    let (mut faults, kept) = (Vec::new(), Cache::default());
+    let (mut faults, kept) = (Vec::new(), kept::values(context));
     let curves = step("curves after the steps", || {
         curves_after_steps(context, &runs, &kept)
     });
     let curves = or_nothing(curves, &mut faults)?;
-    let study = || Ok(study::of_runs(context, &runs, &findings, &curves));
+    let study = || Ok(study::of_runs(context, &runs, &findings, &curves, &kept));
     let study = or_nothing(step("what the study asked", study), &mut faults)?;
     let plan = || match group {
         Some(_) => Ok(Vec::new()),

@@ -8,6 +8,7 @@ pub mod current;
 pub(super) mod diagnose;
 pub(super) mod frequency;
 pub mod impedance;
+pub(crate) mod kept;
 pub(super) mod model_free;
 pub(super) mod modulus;
 pub mod next_runs;

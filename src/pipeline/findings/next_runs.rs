@@ -19,6 +19,7 @@ use crate::ingest::run_sheet::{self, COLUMNS, SheetRow};
 use crate::pipeline::campaign::planned::planned;
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::findings_among;
+use crate::pipeline::findings::kept;
 use crate::pipeline::infra::whole_file::put_bytes;
 use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::fs;
@@ -32,7 +33,7 @@ pub fn plan(context: &Context) -> Result<Vec<PlannedRun>, PipelineError> {
     let findings = findings_among(context, &all)?;
     let ids = PlannedIds::of(context, &all)?;
     let runs = Runs::of(all).speaking;
-    let of_parameters = study::of_runs(context, &runs, &findings, &[]);
+    let of_parameters = study::of_runs(context, &runs, &findings, &[], &kept::values(context));
     Ok(plan_from(
         context,
         (&runs, &ids),

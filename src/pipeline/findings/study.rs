@@ -9,6 +9,7 @@ pub use crate::analysis::study::view::lines;
 use crate::domain::RunRecord;
 use crate::pipeline::campaign::standing::{self, Runs};
 use crate::pipeline::findings::current::{CurrentFindings, current_findings};
+use crate::pipeline::findings::kept;
 use crate::pipeline::findings::model_free::curves_after_steps;
 use crate::pipeline::{Context, PipelineError};
 
@@ -24,25 +25,29 @@ pub fn study(context: &Context) -> Result<Study, PipelineError> {
         speaking: runs,
         set_aside,
     } = standing::runs(context)?;
-    let curves = curves_after_steps(context, &runs, &Cache::default())?;
-    Ok(of_runs(context, &runs, &current_findings(context)?, &curves).beside(&set_aside))
+    let kept = kept::values(context);
+    let curves = curves_after_steps(context, &runs, &kept)?;
+    Ok(of_runs(context, &runs, &current_findings(context)?, &curves, &kept).beside(&set_aside))
 }
 
-/// The same of these runs, of which a diagnosis found this, and of their curves where they were read.
+/// The same of these runs, of which a diagnosis found this, and of their curves where they were read; what was answered before is
+/// taken from `kept`.
 pub(crate) fn of_runs(
     context: &Context,
     runs: &[RunRecord],
     found: &CurrentFindings,
     curves: &[StepCurves],
+    kept: &Cache,
 ) -> Study {
     let findings = Findings {
         groups: &found.groups,
         runs: &found.runs,
     };
-    Study::of(Evidence {
+    let evidence = Evidence {
         runs,
         campaign: &context.campaign,
         doubts: &Doubts::new(findings, runs),
         curves,
-    })
+    };
+    Study::kept(evidence, kept)
 }

@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::ingest::archive::{hash_of_file, is_hash};
+use crate::ingest::archive::{hash, hash_of_file, is_hash};
 use crate::pipeline::{PipelineError, failed};
 use crate::system::fs;
 use crate::system::passing::Passing;
@@ -265,6 +265,13 @@ pub fn is_hashed(folder: &Path) -> bool {
 pub fn hashes(folder: &Path) -> io::Result<BTreeMap<String, String>> {
     let listed = listed(folder)?.unwrap_or_default().into_iter();
     Ok(listed.filter_map(|(name, hash)| Some((name, hash?))).collect())
+}
+
+/// The bytes of a file of a finished folder, where they are those that were written.
+pub fn as_written(folder: &Path, name: &str) -> Option<Vec<u8>> {
+    let written = hashes(folder).ok()?.remove(name)?;
+    let bytes = fs::read_own(folder.join(name)).ok()?;
+    (hash(&bytes) == written).then_some(bytes)
 }
 
 /// What became of a file that was written.

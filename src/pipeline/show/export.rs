@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use super::columns::columns_table;
 use super::found_tables;
 pub use crate::analysis::TableFormat;
-use crate::analysis::cache::Cache;
 use crate::analysis::dma::table::modulus_table;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
@@ -15,6 +14,7 @@ use crate::domain::{Campaign, ModulusLog, RunRecord, string_enum};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::{CurrentFindings, current_findings};
+use crate::pipeline::findings::kept;
 use crate::pipeline::findings::model_free::{WithoutModel, without_model};
 use crate::pipeline::findings::study::{self, Study};
 use crate::pipeline::infra::fault::step;
@@ -152,12 +152,12 @@ impl Table {
             Table::Dma => made.logs = standing::modulus_logs(context)?.0,
             Table::Findings | Table::Laws | Table::Monitoring => made.found = current_findings(context)?,
             Table::ModelFree | Table::Cycles => {
-                made.without_model = without_model(context, &runs, &Cache::default())?;
+                made.without_model = without_model(context, &runs, &kept::values(context))?;
             }
             _ => {}
         }
         if self == Table::Laws {
-            made.study = study::of_runs(context, &runs, &made.found, &[]);
+            made.study = study::of_runs(context, &runs, &made.found, &[], &kept::values(context));
         }
         if self == Table::Monitoring {
             let facts = facts(&runs, &context.campaign);

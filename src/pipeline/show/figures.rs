@@ -4,9 +4,9 @@ use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
 use crate::analysis::ParameterInfo;
-use crate::analysis::cache::Cache;
 use crate::analysis::parameters::begins_key;
 use crate::model::fit_models;
+use crate::pipeline::findings::kept;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::Site;
 use crate::report::print_figures::{
@@ -119,7 +119,7 @@ impl MakeFigure {
         let format = self.checked_format()?;
         let width_mm = self.width_mm.unwrap_or(figure.width_mm);
         let (changes, changed_at) = context.store.changes()?;
-        let input = input(context, changes, &changed_at, &Cache::default())?;
+        let input = input(context, changes, &changed_at, &kept::values(context))?;
         let site = Site::new(&input);
         if self.run.is_some() && !figure.of_strips && figure.name != "models" {
             let needed = "no run: this figure shows them all".to_owned();

@@ -27,6 +27,7 @@ use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::{CurrentFindings, findings_among};
 use crate::pipeline::findings::frequency::frequency_runs;
 use crate::pipeline::findings::impedance;
+use crate::pipeline::findings::kept as kept_values;
 use crate::pipeline::findings::model_free::{curves_after_steps, without_model};
 use crate::pipeline::findings::next_runs::{self, PlannedIds};
 use crate::pipeline::infra::fault::{or_nothing, step};
@@ -39,7 +40,7 @@ use crate::report;
 use crate::report::kept::{self, Earlier, Made};
 use crate::report::moved::{Before, Numbers};
 use crate::store::journal::End;
-use crate::system::{fs, program_mark};
+use crate::system::fs;
 
 /// The verb `report`.
 #[derive(Debug, Clone, Default)]
@@ -143,11 +144,9 @@ impl RenderReport {
             own_folder::hashes(&target).map_err(failed(&target, "looking what was written into it"))?
         };
         let standing = Standing::of(&target, &hashes, &altered);
-        let program = format!("{CODE_VERSION} {}", program_mark());
-        // What another build of the program made may differ though nothing else does.
-        let kept = standing.values(&program);
+        let kept = (!self.again).then(|| kept_values::of_report(context)).flatten();
         let made = kept.as_ref().map_or_else(Made::new, |_| standing.pages());
-        let values = kept.unwrap_or_else(|| Cache::by(&program));
+        let values = kept.unwrap_or_else(|| Cache::by(&kept_values::program()));
         let input = report::Input {
             templates: own.texts.clone(),
             before: Before {
@@ -404,14 +403,6 @@ impl<'a> Standing<'a> {
         match fs::read_own_text(self.folder.join(kept::FILE)) {
             Ok(text) if self.is_whole(kept::FILE) => kept::read(&text, |name| self.is_whole(name)),
             _ => Made::new(),
-        }
-    }
-
-    /// Values that it was made from and that took long to make; none where another program made it.
-    fn values(&self, program: &str) -> Option<Cache> {
-        match fs::read_own(self.folder.join(KEPT_VALUES)) {
-            Ok(bytes) if self.is_whole(KEPT_VALUES) => Cache::read(&bytes, program),
-            _ => None,
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::findings::frequency::frequency_runs;
+use crate::pipeline::findings::kept;
 use crate::pipeline::findings::model_free::{WithoutModel, curves_after_steps, without_model};
 use crate::pipeline::findings::one_likelihood::in_one_likelihood;
 use crate::pipeline::findings::reductions::reductions_of;
@@ -48,6 +49,7 @@ pub(crate) struct TableData {
     doubts: Doubts,
     comparisons: Vec<RunComparison>,
     outdated_comparisons: usize,
+    kept: Cache,
     origin: String,
 }
 
@@ -87,6 +89,7 @@ impl TableData {
         Ok(TableData {
             comparisons,
             outdated_comparisons,
+            kept: kept::values(context),
             blocked: blocked_runs(context, &runs)?,
             frequency: frequency_runs(context, &runs)?,
             without_model: WithoutModel::default(),
@@ -121,8 +124,8 @@ impl TableData {
     ) -> Result<TableData, PipelineError> {
         match named.needs {
             Need::None => {}
-            Need::Readings => self.without_model = without_model(context, &self.runs, &Cache::default())?,
-            Need::Curves => self.curves = curves_after_steps(context, &self.runs, &Cache::default())?,
+            Need::Readings => self.without_model = without_model(context, &self.runs, &self.kept)?,
+            Need::Curves => self.curves = curves_after_steps(context, &self.runs, &self.kept)?,
             Need::Reductions => self.reductions = reductions_of(context, &self.runs)?,
             Need::OneLikelihood => {
                 self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
@@ -152,6 +155,7 @@ impl TableData {
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
             told: None,
+            kept: Some(&self.kept),
             origin: &self.origin,
         })
     }

@@ -92,10 +92,16 @@ fn electrolysis_is_a_leak_and_another_date_is_set_apart() {
         (&"leak".into(), &"voltage_v".into()),
         "{told:#}"
     );
+    // Of the runs between others alone: over an onset each is predicted from neighbours 50 mV away, whose currents lie a factor
+    // apart and are noisy with bubbles.
     let error = |of: &str| told["held_out"][of].as_f64().unwrap();
     assert!(
-        error("error_percent_after") < 0.2 * error("error_percent_before"),
+        error("error_percent_after") < 0.5 * error("error_percent_before"),
         "{told:#}"
+    );
+    assert!(
+        group["gain"]["outside"]["parts"].as_array().unwrap().len() == 2,
+        "{group:#}"
     );
     let remarks = words(&group["remarks"]);
     assert!(

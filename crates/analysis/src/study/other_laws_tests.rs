@@ -144,7 +144,11 @@ fn a_condition_of_ones_own_is_asked_about_where_the_study_is_left_open() {
     // The temperature under a name that campaign.toml declares.
     campaign.extra_tags = vec!["bath_c".to_owned()];
     for own in &mut runs {
-        let celsius = own.tags.iter_mut().find(|tag| tag.key == "temperature_c").unwrap();
+        let celsius = own
+            .tags
+            .iter_mut()
+            .find(|tag| tag.key == "temperature_c")
+            .unwrap();
         celsius.key = "bath_c".to_owned();
     }
     let asked = |campaign: &Campaign| {

@@ -1,5 +1,6 @@
 //! What tables are made from.
 
+use crate::cache::Cache;
 use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
 use crate::impedance::OneLikelihood;
@@ -55,6 +56,8 @@ pub struct TableInput<'a> {
     pub outdated_comparisons: usize,
     /// What the study asked of these runs and their curves, where that is known; else it is asked anew.
     pub told: Option<&'a Study>,
+    /// What of it was answered before.
+    pub kept: Option<&'a Cache>,
     /// Program and state of the database, for the table's foot.
     pub origin: &'a str,
 }
@@ -65,13 +68,13 @@ impl<'a> TableInput<'a> {
         if let Some(told) = self.told {
             return told.clone();
         }
-        Study::of(Evidence {
+        let evidence = Evidence {
             runs: self.runs,
             campaign: self.campaign,
             doubts: self.doubts,
             curves: self.curves,
-        })
-        .beside(self.set_aside)
+        };
+        Study::kept(evidence, self.kept.unwrap_or(&Cache::default())).beside(self.set_aside)
     }
 
     /// Of these runs alone.
@@ -96,6 +99,7 @@ impl<'a> TableInput<'a> {
             comparisons: &[],
             outdated_comparisons: 0,
             told: None,
+            kept: None,
             origin: "",
         }
     }
