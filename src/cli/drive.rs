@@ -1,6 +1,7 @@
-//! `ieap drive`.
+//! The voltage for a wanted motion: `ieap predict --wanted`, once `ieap drive`.
 
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
 
@@ -15,7 +16,7 @@ use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
-use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
+use crate::pipeline::standalone::forward::{AskedStrip, DriveCourse, DriveDocument, Wanted, course_figure};
 
 /// Find the voltage that gives a wanted motion
 ///
@@ -38,6 +39,16 @@ pub struct DriveArgs {
     /// Follow a course: a table of time_s and tip_displacement_mm
     #[arg(long, value_name = "FILE.csv")]
     course: Option<PathBuf>,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    file: OutputFile,
+}
+
+/// How the voltage may change, and within which limits.
+#[derive(Debug, Args)]
+#[group(requires = "wanted")]
+pub struct LimitArgs {
     /// Time between changes of the voltage, as 1s [default: a two-hundredth of the course]
     #[arg(long, value_name = "TIME", value_parser = typed::time)]
     every: Option<f64>,
@@ -50,30 +61,84 @@ pub struct DriveArgs {
     /// Onset of electrolysis, which the voltage stays below, as 1.23V [default: as a diagnosis found it]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::measured_voltage)]
     onset: Option<Measured>,
-    #[command(flatten)]
-    file: OutputFile,
+}
+
+impl LimitArgs {
+    /// The drive that is sought for that strip.
+    pub fn course(&self, strip: AskedStrip, wanted: Wanted) -> DriveCourse {
+        DriveCourse {
+            strip,
+            wanted,
+            every_s: self.every,
+            max_voltage_v: self.max_voltage,
+            max_slope_v_per_s: self.max_slope,
+            onset_v: self.onset,
+        }
+    }
+}
+
+/// A wanted motion: a displacement that is held, or a file with a course.
+#[derive(Debug, Clone)]
+pub enum Motion {
+    Hold(Measured),
+    Course(PathBuf),
+}
+
+impl Motion {
+    /// `1mm`, or else a file: its name has an ending.
+    pub fn parse(text: &str) -> Result<Motion, String> {
+        let ending = Path::new(text).extension().and_then(OsStr::to_str);
+        let is_file = ending.is_some_and(|ending| ending.starts_with(char::is_alphabetic));
+        match typed::length(text) {
+            Err(_) if is_file => Ok(Motion::Course(text.into())),
+            length => length
+                .map(Motion::Hold)
+                .map_err(|error| format!("{error}, or FILE.csv")),
+        }
+    }
+
+    /// The motion, with the time for which a displacement is held.
+    pub fn wanted(&self, for_s: Option<f64>) -> Result<Wanted, CliError> {
+        match (self, for_s) {
+            (Motion::Hold(tip), Some(for_s)) => Ok(Wanted::Hold {
+                tip_mm: tip.value,
+                for_s,
+            }),
+            (Motion::Course(path), None) => Ok(Wanted::Course(read_course(path)?)),
+            (Motion::Hold(_), None) => Err(CliError::usage(
+                "--wanted holds a displacement: needed for how long, as --for 300s",
+            )),
+            (Motion::Course(path), Some(_)) => Err(CliError::usage(&format!(
+                "--for goes with a displacement; {} says itself how long it is. Leave --for out",
+                path.display()
+            ))),
+        }
+    }
 }
 
 pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_to_show(output)?;
-    let wanted = match (&args.course, args.hold) {
-        (Some(path), _) => Wanted::Course(read_course(path)?),
-        (None, hold) => Wanted::Hold {
-            tip_mm: hold.map_or(0.0, |hold| hold.value),
-            for_s: args.duration.unwrap_or_default(),
-        },
-    };
-    let drive = DriveCourse {
-        strip: args.strip.asked(None)?,
-        wanted,
-        every_s: args.every,
-        max_voltage_v: args.max_voltage,
-        max_slope_v_per_s: args.max_slope,
-        onset_v: args.onset,
-    };
-    let document = drive.run(&context)?;
+    let hold = args.hold.map(Motion::Hold);
+    let course = args.course.clone().map(Motion::Course);
+    let motion = hold
+        .or(course)
+        .ok_or_else(|| CliError::usage("needed --hold or --course"))?;
+    let course = args
+        .limits
+        .course(args.strip.asked(None)?, motion.wanted(args.duration)?);
+    show(&args.campaign, &course, &args.file, output)
+}
+
+/// Shows the drive that is found, and writes it where a file is asked for.
+pub fn show(
+    campaign: &CampaignArg,
+    course: &DriveCourse,
+    file: &OutputFile,
+    output: &Output,
+) -> Result<u8, CliError> {
+    let context = campaign.open_to_show(output)?;
+    let document = course.run(&context)?;
     print(&document, output);
-    if let Some((path, ending, overwrite)) = args.file.asked() {
+    if let Some((path, ending, overwrite)) = file.asked() {
         let bytes = match ending.as_str() {
             "csv" => write_drive(&document.drive).into_bytes(),
             format => course_figure(&document, context.campaign.notice.as_deref(), format)?,

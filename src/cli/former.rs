@@ -2,15 +2,23 @@
 
 use clap::{Args, Subcommand};
 
+use super::drive::{self, DriveArgs};
 use super::drop::{self, DropArgs};
 use super::exit::CliError;
 use super::global::Global;
 use super::list::{self, What};
+use super::next::{self, NextArgs};
 use super::output::Output;
 
 /// Each with the words that took its place.
 #[derive(Debug, Subcommand)]
 pub enum Former {
+    /// `plan`
+    #[command(hide = true)]
+    Next(NextArgs),
+    /// `predict --wanted`
+    #[command(hide = true)]
+    Drive(DriveArgs),
     /// `drop --undo`
     #[command(hide = true)]
     Undrop(UndropArgs),
@@ -40,6 +48,8 @@ pub struct UndropArgs {
 
 pub fn run(word: &Former, global: &Global, output: &Output) -> Result<u8, CliError> {
     match word {
+        Former::Next(args) => next::run(args, output),
+        Former::Drive(args) => drive::run(args, output),
         Former::Undrop(UndropArgs { runs, why, by }) => drop::run(
             &DropArgs::undo(runs.clone(), why.clone(), by.clone()),
             global,

@@ -1,12 +1,12 @@
 //! `ieap list`: what the program knows, each list from its registry.
 
-use clap::{Args, ValueEnum};
+use clap::{Args, CommandFactory, ValueEnum};
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use super::{effects, figure, formats, models, schema, table};
+use super::{effects, figure, formats, help, models, schema, table};
 
-/// List formats, models, effects, schemas, tables, figures
+/// List rare verbs, formats, models, effects, schemas
 ///
 /// With the name of an effect it says everything that is known of that effect; with the name of a schema it prints the
 /// JSON Schema (draft 2020-12) of that document.
@@ -23,6 +23,8 @@ pub struct ListArgs {
 /// What can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum What {
+    /// Verbs that are needed rarely, which `ieap help` leaves out
+    Verbs,
     /// Instrument formats that can be read
     Formats,
     /// Models that runs can be fitted with, their parameters, and the methods that search the minimum
@@ -32,9 +34,11 @@ pub enum What {
     /// JSON Schemas of what --json prints
     #[value(alias = "schema")]
     Schemas,
-    /// Tables that `ieap table` prints
+    /// Tables, as `ieap table` lists them
+    #[value(hide = true)]
     Tables,
-    /// Figures that `ieap figure` draws
+    /// Figures, as `ieap figure` lists them
+    #[value(hide = true)]
     Figures,
 }
 
@@ -47,6 +51,9 @@ pub fn run(args: &ListArgs, output: &Output) -> Result<u8, CliError> {
         None => {
             for what in What::value_variants() {
                 let value = what.to_possible_value().unwrap_or_default();
+                if value.is_hide_set() {
+                    continue;
+                }
                 let about = value.get_help().map(ToString::to_string).unwrap_or_default();
                 output.result(&format!("{:<10} {about}", value.get_name()));
             }
@@ -63,6 +70,13 @@ pub fn of(what: What, name: Option<&str>, output: &Output) -> Result<u8, CliErro
         (_, Some(name)) => Err(CliError::usage(&format!(
             "list: found {name:?}; only an effect or a schema is asked for by name"
         ))),
+        (What::Verbs, None) if output.json => Err(CliError::usage(
+            "list: the verbs are no document; leave --json out",
+        )),
+        (What::Verbs, None) => {
+            output.result(&help::list(&super::Cli::command(), super::GROUPS, "rare"));
+            Ok(DONE)
+        }
         (What::Formats, None) => formats::run(output),
         (What::Models, None) => models::run(output),
         (What::Tables, None) => table::list(output),

@@ -1,7 +1,7 @@
-//! `ieap next`.
+//! The list of runs to make next: `ieap plan` without an option, once `ieap next`.
 
 use crate::domain::words::counted;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
@@ -25,16 +25,18 @@ pub struct NextArgs {
 }
 
 pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_to_show(output)?;
+    show(&args.campaign, args.sheet.as_deref(), output)
+}
+
+/// Shows the runs to make next, and writes them as a run sheet where one is asked for.
+pub fn show(campaign: &CampaignArg, sheet: Option<&Path>, output: &Output) -> Result<u8, CliError> {
+    let context = campaign.open_to_show(output)?;
     let plan = plan(&context)?;
     if plan.is_empty() {
         output.result("no run to make next: nothing that was compared was measured in one order only, and no missing law is to be told from another");
     }
     plan.iter().for_each(|entry| print(entry, output));
-    let written = match &args.sheet {
-        Some(file) => Some(write_sheet(&context, &plan, file)?),
-        None => None,
-    };
+    let written = sheet.map(|file| write_sheet(&context, &plan, file)).transpose()?;
     if let Some(summary) = &written {
         say(summary, &context.campaign.runs_folder, output);
     }
