@@ -1,15 +1,15 @@
-//! The voltage for a wanted motion: `ieap predict --wanted`, once `ieap drive`.
+//! The voltage for a wanted motion: `ieap predict --wanted`.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use clap::{ArgGroup, Args};
+use clap::Args;
 
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::predict::words;
-use super::strip_args::{OutputFile, StripArgs};
+use super::strip_args::OutputFile;
 use super::table::write;
 use super::typed;
 use crate::domain::number::fixed;
@@ -18,36 +18,9 @@ use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
 use crate::pipeline::standalone::forward::{AskedStrip, DriveCourse, DriveDocument, Wanted, course_figure};
 
-/// Find the voltage that gives a wanted motion
-///
-/// Within limits, open loop, from the stored fits.
-///
-/// The drive is written with -o FILE.csv as the source takes it: time_s, voltage_v, each row held until the next.
-#[derive(Debug, Args)]
-#[command(group(ArgGroup::new("wanted").required(true).args(["hold", "course"])))]
-pub struct DriveArgs {
-    #[command(flatten)]
-    campaign: CampaignArg,
-    #[command(flatten)]
-    strip: StripArgs,
-    /// Hold the tip at this displacement, as 1mm
-    #[arg(long, value_name = "DISPLACEMENT", value_parser = typed::length, requires = "duration", allow_hyphen_values = true)]
-    hold: Option<Measured>,
-    /// For how long, as 300s
-    #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, requires = "hold")]
-    duration: Option<f64>,
-    /// Follow a course: a table of time_s and tip_displacement_mm
-    #[arg(long, value_name = "FILE.csv")]
-    course: Option<PathBuf>,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    file: OutputFile,
-}
-
 /// How the voltage may change, and within which limits.
 #[derive(Debug, Args)]
-#[group(requires = "wanted")]
+#[group(id = "limits", requires = "wanted")]
 pub struct LimitArgs {
     /// Time between changes of the voltage, as 1s [default: a two-hundredth of the course]
     #[arg(long, value_name = "TIME", value_parser = typed::time)]
@@ -85,10 +58,11 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// `1mm`, or else a file: its name has an ending.
+    /// `1mm`, or else a file: its name has an ending, or begins as no number does.
     pub fn parse(text: &str) -> Result<Motion, String> {
         let ending = Path::new(text).extension().and_then(OsStr::to_str);
-        let is_file = ending.is_some_and(|ending| ending.starts_with(char::is_alphabetic));
+        let is_letter = |text: &str| text.starts_with(char::is_alphabetic);
+        let is_file = is_letter(text) || ending.is_some_and(is_letter);
         match typed::length(text) {
             Err(_) if is_file => Ok(Motion::Course(text.into())),
             length => length
@@ -114,18 +88,6 @@ impl Motion {
             ))),
         }
     }
-}
-
-pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
-    let hold = args.hold.map(Motion::Hold);
-    let course = args.course.clone().map(Motion::Course);
-    let motion = hold
-        .or(course)
-        .ok_or_else(|| CliError::usage("needed --hold or --course"))?;
-    let course = args
-        .limits
-        .course(args.strip.asked(None)?, motion.wanted(args.duration)?);
-    show(&args.campaign, &course, &args.file, output)
 }
 
 /// Shows the drive that is found, and writes it where a file is asked for.

@@ -85,7 +85,7 @@ pub fn list(program: &Command, groups: Groups, wanted: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Cli, GROUPS, steps};
+    use super::super::{Cli, GROUPS, words};
     use super::*;
     use clap::CommandFactory;
 
@@ -107,13 +107,13 @@ mod tests {
     fn every_example_is_one_of_its_verb() {
         let program = Cli::command();
         for (_, verb, example) in rows(&program, GROUPS) {
-            let words = format!("ieap {example}").split(' ').map(OsString::from).collect();
-            let found = Cli::command().try_get_matches_from(steps::taken(words));
+            let line = format!("ieap {example}").split(' ').map(OsString::from).collect();
+            let found = Cli::command().try_get_matches_from(words::taken(line));
             let found = found.unwrap_or_else(|error| panic!("{example}: {error}"));
             assert_eq!(found.subcommand_name(), Some(verb.get_name()), "{example}");
         }
         let steps = rows(&program, GROUPS).filter(|(group, ..)| *group == "step");
-        let own = steps::STEPS.iter().filter(|step| **step != "diagnose");
+        let own = words::STEPS.iter().filter(|step| **step != "diagnose");
         assert!(steps.map(|(_, verb, _)| verb.get_name()).eq(own.copied()));
     }
 }

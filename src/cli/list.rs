@@ -1,10 +1,10 @@
 //! `ieap list`: what the program knows, each list from its registry.
 
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, ValueEnum};
 
 use super::exit::{CliError, DONE};
 use super::output::Output;
-use super::{effects, figure, formats, help, models, schema, table};
+use super::{effects, figure, formats, models, schema, table};
 
 /// List rare verbs, formats, models, effects, schemas
 ///
@@ -23,8 +23,6 @@ pub struct ListArgs {
 /// What can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum What {
-    /// Verbs that are needed rarely, which `ieap help` leaves out
-    Verbs,
     /// Instrument formats that can be read
     Formats,
     /// Models that runs can be fitted with, their parameters, and the methods that search the minimum
@@ -42,21 +40,24 @@ pub enum What {
     Figures,
 }
 
-pub fn run(args: &ListArgs, output: &Output) -> Result<u8, CliError> {
+/// Lists what is asked for; without that what can be listed, and `rare`, the verbs that `ieap help` leaves out.
+pub fn run(args: &ListArgs, rare: &str, output: &Output) -> Result<u8, CliError> {
     match args.what {
         Some(what) => of(what, args.name.as_deref(), output),
         None if output.json => Err(CliError::usage(
             "list: needed what to list, as in `ieap list formats --json`",
         )),
         None => {
+            output.result("`ieap list` WHAT lists:");
             for what in What::value_variants() {
                 let value = what.to_possible_value().unwrap_or_default();
                 if value.is_hide_set() {
                     continue;
                 }
                 let about = value.get_help().map(ToString::to_string).unwrap_or_default();
-                output.result(&format!("{:<10} {about}", value.get_name()));
+                output.result(&format!("  {:<12} {about}", value.get_name()));
             }
+            output.result(&format!("\nVerbs that are needed rarely:\n{rare}"));
             Ok(DONE)
         }
     }
@@ -70,13 +71,6 @@ pub fn of(what: What, name: Option<&str>, output: &Output) -> Result<u8, CliErro
         (_, Some(name)) => Err(CliError::usage(&format!(
             "list: found {name:?}; only an effect or a schema is asked for by name"
         ))),
-        (What::Verbs, None) if output.json => Err(CliError::usage(
-            "list: the verbs are no document; leave --json out",
-        )),
-        (What::Verbs, None) => {
-            output.result(&help::list(&super::Cli::command(), super::GROUPS, "rare"));
-            Ok(DONE)
-        }
         (What::Formats, None) => formats::run(output),
         (What::Models, None) => models::run(output),
         (What::Tables, None) => table::list(output),

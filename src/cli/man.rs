@@ -6,8 +6,9 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::exit::{CliError, DONE};
+use super::help::{Groups, rows};
 use super::output::Output;
-use super::{GROUPS, help, user_folders};
+use super::user_folders;
 use crate::pipeline::CODE_VERSION;
 
 /// Print or install man pages
@@ -28,7 +29,7 @@ pub struct ManArgs {
     overwrite: bool,
 }
 
-pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, CliError> {
+pub fn run(args: &ManArgs, mut program: Command, groups: Groups, output: &Output) -> Result<u8, CliError> {
     // What the verbs take from the program (--json and the like) is known to them only then.
     program.build();
     let folder = match (&args.into, args.install) {
@@ -50,14 +51,14 @@ pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, 
                 "man: a page is no document; leave --json out, or ask `ieap list schemas` for what the verbs print with it",
             ));
         }
-        output.write(&page(command, &program)?);
+        output.write(&page(command, &program, groups)?);
         return Ok(DONE);
     };
-    let verbs = help::rows(&program, GROUPS).map(|(_, verb, _)| verb);
-    let shown = verbs.filter(|verb| !verb.is_hide_set());
-    for command in std::iter::once(&program).chain(shown) {
+    let verbs = rows(&program, groups).map(|(_, verb, _)| verb);
+    for command in std::iter::once(&program).chain(verbs) {
         let name = format!("{}.1", name(command));
-        user_folders::put(&folder, &name, &page(command, &program)?, args.overwrite, output)?;
+        let page = page(command, &program, groups)?;
+        user_folders::put(&folder, &name, &page, args.overwrite, output)?;
     }
     output.result(&format!(
         "{}: `man ieap`, `man ieap-run` and so on show them",
@@ -73,7 +74,7 @@ fn name(command: &Command) -> String {
 }
 
 /// The page of a verb, or of the program.
-fn page(command: &Command, program: &Command) -> Result<Vec<u8>, CliError> {
+fn page(command: &Command, program: &Command, groups: Groups) -> Result<Vec<u8>, CliError> {
     let mut page = Vec::new();
     Man::new(command.clone())
         .title(name(command))
@@ -83,7 +84,7 @@ fn page(command: &Command, program: &Command) -> Result<Vec<u8>, CliError> {
         .map_err(|error| CliError::internal(&error.to_string()))?;
     page.extend_from_slice(END.as_bytes());
     // Of the verb one example, of the program those of a day's work.
-    for (group, verb, example) in help::rows(program, GROUPS) {
+    for (group, verb, example) in rows(program, groups) {
         if verb.get_name() == command.get_name() || command.has_subcommands() && group == "day" {
             let about = verb.get_about().map(ToString::to_string).unwrap_or_default();
             let line = format!(".TP\n{about}:\nieap {example}\n");

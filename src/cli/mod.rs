@@ -21,7 +21,6 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
-mod former;
 mod global;
 mod help;
 mod impedance;
@@ -49,7 +48,6 @@ mod serve;
 mod signals;
 mod simulate;
 mod status;
-mod steps;
 mod strip_args;
 mod study;
 mod table;
@@ -61,6 +59,7 @@ mod typed;
 mod user_folders;
 mod verify;
 mod watch;
+mod words;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
@@ -96,8 +95,6 @@ macro_rules! verbs {
                 #[command(hide = $hide)]
                 $verb($args),
             )+)+
-            #[command(flatten)]
-            Former(former::Former),
         }
 
         /// Groups of verbs, each with the examples of its verbs in their order.
@@ -109,7 +106,6 @@ macro_rules! verbs {
                     let run: fn(&$args, &Global, &Output) -> Result<u8, CliError> = $run;
                     run(args, &cli.global, output)
                 })+)+
-                Verb::Former(word) => former::run(word, &cli.global, output),
             }
         }
     };
@@ -137,17 +133,17 @@ verbs! {
         Export(export::ExportArgs) "export campaigns/thesis --what fits -o fits.parquet" => |args, _, output| export::run(args, output),
         Verify(verify::VerifyArgs) "verify campaigns/thesis" => |args, _, output| verify::run(args, output),
         Backup(backup::BackupArgs) "backup usb-disk/thesis campaigns/thesis" => backup::run,
-        List(list::ListArgs) "list verbs" => |args, _, output| list::run(args, output),
+        List(list::ListArgs) "list" => |args, _, output| list::run(args, &help::list(&Cli::command(), GROUPS, "rare"), output),
     }
     "rare" hide false {
         Restore(backup::RestoreArgs) "restore usb-disk/thesis thesis-again" => |args, _, output| backup::run_restore(args, output),
         Rebuild(rebuild::RebuildArgs) "rebuild campaigns/thesis" => rebuild::run,
         ImportFits(import_fits::ImportFitsArgs) "-C campaigns/thesis import-fits fits.parquet" => import_fits::run,
         Profile(profile::ProfileArgs) "profile campaigns/thesis/dma/CNaf.csv" => |args, _, output| profile::run(args, output),
-        Trace(trace::TraceArgs) "trace frames --length-mm 5" => |args, _, output| trace::run(args, output),
+        Trace(trace::TraceArgs) "trace frames --length-mm 5 --frames-per-second 10" => |args, _, output| trace::run(args, output),
         Simulate(simulate::SimulateArgs) "simulate campaigns/thesis/simulation.toml --overwrite" => simulate::run,
         Convert(convert::ConvertArgs) "-C campaigns/thesis convert tip-displacement=1mm --sample CNaf-1" => |args, _, output| convert::run(args, output),
-        Man(man::ManArgs) "man run" => |args, _, output| man::run(args, Cli::command(), output),
+        Man(man::ManArgs) "man run" => |args, _, output| man::run(args, Cli::command(), GROUPS, output),
         Completions(completions::CompletionsArgs) "completions bash" => |args, _, output| completions::run(args, &Cli::command(), output),
     }
     "step" hide true {
@@ -168,7 +164,7 @@ pub fn main() -> ExitCode {
 
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = steps::taken(arguments.into_iter().collect());
+    let arguments = words::taken(arguments.into_iter().collect());
     let choice = colour::asked(arguments.iter().cloned());
     let parsed = Cli::command()
         .color(choice)

@@ -1,32 +1,14 @@
-//! The list of runs to make next: `ieap plan` without an option, once `ieap next`.
+//! The list of runs to make next: `ieap plan` without an option.
 
 use crate::domain::words::counted;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
 use serde_json::json;
 
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::findings::next_runs::{PlannedRun, SheetSummary, plan, write_sheet};
-
-/// List the runs to make next, and what each tells
-///
-/// With --sheet as a run sheet for the bench.
-#[derive(Debug, Args)]
-pub struct NextArgs {
-    #[command(flatten)]
-    campaign: CampaignArg,
-    /// Write the list as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
-    /// saved under its names
-    #[arg(long, value_name = "FILE.csv")]
-    sheet: Option<PathBuf>,
-}
-
-pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
-    show(&args.campaign, args.sheet.as_deref(), output)
-}
 
 /// Shows the runs to make next, and writes them as a run sheet where one is asked for.
 pub fn show(campaign: &CampaignArg, sheet: Option<&Path>, output: &Output) -> Result<u8, CliError> {

@@ -33,7 +33,7 @@ pub struct PlanArgs {
     campaign: CampaignArg,
     /// Write the runs to make next as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
     /// saved under its names
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "subject")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["subject", "trial"])]
     sheet: Option<PathBuf>,
     /// Sample whose fits tell; of its runs the one nearest in voltage
     #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["run", "spec"], requires = "driven", requires = "every")]

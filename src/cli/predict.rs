@@ -33,10 +33,10 @@ pub struct PredictArgs {
     #[command(flatten)]
     strip: StripArgs,
     /// Voltage of a step at time zero, as 2V
-    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, required_unless_present_any = ["drive", "wanted"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, required_unless_present_any = ["drive", "wanted"], conflicts_with_all = ["limits", "duration"], allow_hyphen_values = true)]
     voltage: Option<f64>,
     /// A drive in place of a step: a table of time_s and voltage_v, each row held until the next
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["voltage", "limits", "duration"])]
     drive: Option<PathBuf>,
     /// Times to predict at, as 10s,5min [default: 1, 3, 10, ... s up to the longest run]
     #[arg(long = "at", id = "times", value_name = "TIME,TIME,...", value_delimiter = ',', value_parser = typed::time)]
@@ -46,7 +46,7 @@ pub struct PredictArgs {
     modulus: Option<Measured>,
     /// Find the voltage that holds the tip at a displacement, as 1mm, or that follows a course: a table of time_s and
     /// tip_displacement_mm
-    #[arg(long, value_name = "DISPLACEMENT|FILE.csv", value_parser = Motion::parse, allow_hyphen_values = true,
+    #[arg(long, aliases = ["hold", "course"], value_name = "DISPLACEMENT|FILE.csv", value_parser = Motion::parse, allow_hyphen_values = true,
         conflicts_with_all = ["voltage", "drive", "times", "modulus"])]
     wanted: Option<Motion>,
     /// For how long a displacement is held, as 300s

@@ -15,8 +15,8 @@ use super::fit_choice::FitChoiceArgs;
 use super::global::Global;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
-use super::steps::{self, STEPS};
 use super::tag::user_name;
+use super::words::{self, STEPS};
 use super::{diagnose, ingest, report, signals};
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
@@ -30,7 +30,7 @@ pub struct RunArgs {
     #[command(flatten)]
     campaign: CampaignArg,
     /// Do one step only, with options of its own, which `ieap run --only STEP --help` tells
-    #[arg(long, value_name = "STEP", value_parser = PossibleValuesParser::new(STEPS).try_map(steps::read))]
+    #[arg(long, value_name = "STEP", value_parser = PossibleValuesParser::new(STEPS).try_map(words::read))]
     only: Option<Infallible>,
     #[command(flatten)]
     fit: FitChoiceArgs,

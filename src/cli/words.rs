@@ -1,4 +1,5 @@
-//! `ieap run --only STEP`: one step of `run` with options of its own, which is the verb of that name.
+//! Words that stand for others, before the command line is read: `run --only STEP` is the verb of the step, with options of its
+//! own; words of earlier versions, which no help shows, are those that took their place.
 
 use std::convert::Infallible;
 use std::ffi::OsString;
@@ -10,11 +11,32 @@ use super::global::Global;
 /// The steps that `run --only` takes, in their order.
 pub const STEPS: [&str; 6] = ["ingest", "fit", "dma", "impedance", "diagnose", "report"];
 
-/// The command line with the verb of the step in place of `run --only STEP`.
+/// Words of earlier versions that scripts may still use, each with those that took its place.
+const FORMER: [(&str, &[&str]); 7] = [
+    ("next", &["plan"]),
+    ("drive", &["predict"]),
+    ("undrop", &["drop", "--undo"]),
+    ("formats", &["list", "formats"]),
+    ("models", &["list", "models"]),
+    ("effects", &["list", "effects"]),
+    ("schema", &["list", "schemas"]),
+];
+
+/// The command line with the words that are meant.
 pub fn taken(mut words: Vec<OsString>) -> Vec<OsString> {
-    let Some(verb) = verb(&words).filter(|&at| words[at] == "run") else {
+    let Some(verb) = verb(&words) else {
         return words;
     };
+    let is_help = words[verb] == "help";
+    let at = verb + usize::from(is_help);
+    let word = words.get(at).and_then(|word| word.to_str());
+    if let Some((_, now)) = FORMER.iter().find(|(former, _)| Some(*former) == word) {
+        let meant = if is_help { &now[..1] } else { now };
+        drop(words.splice(at..=at, meant.iter().map(OsString::from)));
+    }
+    if words[verb] != "run" {
+        return words;
+    }
     let end = words.iter().position(|word| word == "--").unwrap_or(words.len());
     let found = (verb + 1..end).find_map(|at| {
         let (step, count) = match words[at].to_str()?.strip_prefix("--only")? {
@@ -52,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_step_is_the_verb_of_its_name_wherever_it_stands() {
+    fn words_are_those_that_are_meant_wherever_they_stand() {
         let of = |line: &str| {
             let words = taken(line.split(' ').map(OsString::from).collect());
             words.join(" ".as_ref()).into_string().unwrap()
@@ -66,6 +88,11 @@ mod tests {
             ),
             ("ieap --json run run --only report", "ieap --json report run"),
             ("ieap run --only fit --help", "ieap fit --help"),
+            (
+                "ieap -C next undrop a --why b",
+                "ieap -C next drop --undo a --why b",
+            ),
+            ("ieap help formats", "ieap help list"),
         ] {
             assert_eq!(of(line), means);
         }
