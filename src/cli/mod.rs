@@ -120,7 +120,7 @@ verbs! {
         Watch(watch::WatchArgs) "watch campaigns/thesis" => watch::run,
         Serve(serve::ServeArgs) "serve campaigns/thesis" => serve::run,
         Status(status::StatusArgs) "status campaigns/thesis" => |args, _, output| status::run(args, output),
-        Tag(tag::TagArgs) "-C campaigns/thesis tag runs/CNaf/air/CNaf_air_2.0V.csv operator=AB" => tag::run,
+        Tag(tag::TagArgs) "-C campaigns/thesis tag runs/CNaf/air/CNaf_air_2.0V.csv operator=Lee" => tag::run,
         Drop(drop::DropArgs) "-C campaigns/thesis drop runs/CNaf/air/CNaf_air_2.0V.csv --why slipped" => drop::run,
         Table(table::TableArgs) "table table5 campaigns/thesis" => |args, _, output| table::run(args, output),
         Figure(figure::FigureArgs) "figure parameters campaigns/thesis -o parameters.svg" => |args, _, output| figure::run(args, output),
