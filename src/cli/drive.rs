@@ -1,7 +1,7 @@
 //! The voltage for a wanted motion: `ieap predict --wanted`.
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 
@@ -16,7 +16,7 @@ use crate::domain::number::fixed;
 use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
-use crate::pipeline::standalone::forward::{AskedStrip, DriveCourse, DriveDocument, Wanted, course_figure};
+use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
 /// How the voltage may change, and within which limits.
 #[derive(Debug, Args)]
@@ -24,69 +24,34 @@ use crate::pipeline::standalone::forward::{AskedStrip, DriveCourse, DriveDocumen
 pub struct LimitArgs {
     /// Time between changes of the voltage, as 1s [default: a two-hundredth of the course]
     #[arg(long, value_name = "TIME", value_parser = typed::time)]
-    every: Option<f64>,
+    pub every: Option<f64>,
     /// Largest voltage of either sign, as 2.5V [default: the largest that was measured]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
-    max_voltage: Option<f64>,
+    pub max_voltage: Option<f64>,
     /// Largest rate of change, as 0.1V/s [default: none]
     #[arg(long, value_name = "RATE", value_parser = typed::voltage_rate)]
-    max_slope: Option<f64>,
+    pub max_slope: Option<f64>,
     /// Onset of electrolysis, which the voltage stays below, as 1.23V [default: as a diagnosis found it]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::measured_voltage)]
-    onset: Option<Measured>,
+    pub onset: Option<Measured>,
 }
 
-impl LimitArgs {
-    /// The drive that is sought for that strip.
-    pub fn course(&self, strip: AskedStrip, wanted: Wanted) -> DriveCourse {
-        DriveCourse {
-            strip,
-            wanted,
-            every_s: self.every,
-            max_voltage_v: self.max_voltage,
-            max_slope_v_per_s: self.max_slope,
-            onset_v: self.onset,
-        }
-    }
-}
-
-/// A wanted motion: a displacement that is held, or a file with a course.
-#[derive(Debug, Clone)]
-pub enum Motion {
-    Hold(Measured),
-    Course(PathBuf),
-}
-
-impl Motion {
-    /// `1mm`, or else a file: its name has an ending, or begins as no number does.
-    pub fn parse(text: &str) -> Result<Motion, String> {
-        let ending = Path::new(text).extension().and_then(OsStr::to_str);
-        let is_letter = |text: &str| text.starts_with(char::is_alphabetic);
-        let is_file = is_letter(text) || ending.is_some_and(is_letter);
-        match typed::length(text) {
-            Err(_) if is_file => Ok(Motion::Course(text.into())),
-            length => length
-                .map(Motion::Hold)
-                .map_err(|error| format!("{error}, or FILE.csv")),
-        }
-    }
-
-    /// The motion, with the time for which a displacement is held.
-    pub fn wanted(&self, for_s: Option<f64>) -> Result<Wanted, CliError> {
-        match (self, for_s) {
-            (Motion::Hold(tip), Some(for_s)) => Ok(Wanted::Hold {
-                tip_mm: tip.value,
-                for_s,
-            }),
-            (Motion::Course(path), None) => Ok(Wanted::Course(read_course(path)?)),
-            (Motion::Hold(_), None) => Err(CliError::usage(
-                "--wanted holds a displacement: needed for how long, as --for 300s",
-            )),
-            (Motion::Course(path), Some(_)) => Err(CliError::usage(&format!(
-                "--for goes with a displacement; {} says itself how long it is. Leave --for out",
-                path.display()
-            ))),
-        }
+/// What is wanted: a displacement that is held for that time, or the course in a file, whose name has an ending or begins as no
+/// number does.
+pub fn wanted(text: &str, for_s: Option<f64>) -> Result<Wanted, CliError> {
+    let path = Path::new(text);
+    let is_letter = |text: &str| text.starts_with(char::is_alphabetic);
+    let is_file = is_letter(text) || path.extension().and_then(OsStr::to_str).is_some_and(is_letter);
+    let wrong = |what: &str| Err(CliError::usage(&format!("--wanted {text}: {what}")));
+    match (typed::length(text), for_s) {
+        (Ok(tip), Some(for_s)) => Ok(Wanted::Hold {
+            tip_mm: tip.value,
+            for_s,
+        }),
+        (Ok(_), None) => wrong("needed for how long it is held, as --for 300s"),
+        (Err(_), None) if is_file => Ok(Wanted::Course(read_course(path)?)),
+        (Err(_), Some(_)) if is_file => wrong("a course has its own end; leave --for out"),
+        (Err(error), _) => wrong(&format!("{error}; or the file of a course, as FILE.csv")),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::campaign::CampaignArg;
-use super::drive::{self, LimitArgs, Motion};
+use super::drive::{self, LimitArgs};
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::strip_args::{OutputFile, StripArgs};
@@ -17,7 +17,7 @@ use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::forward::{
-    Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
+    DriveCourse, Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
 };
 
 /// Predict a run from fits, or the voltage for a motion
@@ -46,9 +46,9 @@ pub struct PredictArgs {
     modulus: Option<Measured>,
     /// Find the voltage that holds the tip at a displacement, as 1mm, or that follows a course: a table of time_s and
     /// tip_displacement_mm
-    #[arg(long, aliases = ["hold", "course"], value_name = "DISPLACEMENT|FILE.csv", value_parser = Motion::parse, allow_hyphen_values = true,
+    #[arg(long, aliases = ["hold", "course"], value_name = "DISPLACEMENT|FILE.csv", allow_hyphen_values = true,
         conflicts_with_all = ["voltage", "drive", "times", "modulus"])]
-    wanted: Option<Motion>,
+    wanted: Option<String>,
     /// For how long a displacement is held, as 300s
     #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, requires = "wanted")]
     duration: Option<f64>,
@@ -60,8 +60,14 @@ pub struct PredictArgs {
 
 pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
     if let Some(motion) = &args.wanted {
-        let wanted = motion.wanted(args.duration)?;
-        let course = args.limits.course(args.strip.asked(None)?, wanted);
+        let course = DriveCourse {
+            strip: args.strip.asked(None)?,
+            wanted: drive::wanted(motion, args.duration)?,
+            every_s: args.limits.every,
+            max_voltage_v: args.limits.max_voltage,
+            max_slope_v_per_s: args.limits.max_slope,
+            onset_v: args.limits.onset,
+        };
         return drive::show(&args.campaign, &course, &args.file, output);
     }
     let context = args.campaign.open_to_show(output)?;
