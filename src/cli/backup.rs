@@ -17,9 +17,9 @@ use crate::pipeline::upkeep::backup::manifest::LeftOut;
 use crate::pipeline::upkeep::backup::{Backup, Restore};
 use crate::pipeline::{Context, Observer};
 
-/// Copy the campaign elsewhere, while everything runs
+/// Copy the campaign elsewhere; `restore` is the way back
 ///
-/// The next time only what is new is copied, and takes the place of what was there. A program that keeps versions of folders, such
+/// Also while everything runs. The next time only what is new is copied, and takes the place of what was there. A program that keeps versions of folders, such
 /// as restic or borg, keeps versions of this one.
 #[derive(Debug, Args)]
 pub struct BackupArgs {

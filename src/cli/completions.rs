@@ -8,6 +8,7 @@ use clap_complete::Shell;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::user_folders;
+use crate::pipeline::CODE_VERSION;
 
 /// Print or install completions for a shell
 #[derive(Debug, Args)]
@@ -22,14 +23,20 @@ pub struct CompletionsArgs {
     overwrite: bool,
 }
 
-pub fn run(args: &CompletionsArgs, command: &mut Command, output: &Output) -> Result<u8, CliError> {
+pub fn run(args: &CompletionsArgs, command: &Command, output: &Output) -> Result<u8, CliError> {
     let shell = args.shell.or_else(Shell::from_env).ok_or_else(|| {
         CliError::usage(
             "completions: $SHELL names no shell that is known; needed bash, elvish, fish, powershell or zsh",
         )
     })?;
+    // Words that no help shows are offered to nobody.
+    let shown = command.get_subcommands().filter(|verb| !verb.is_hide_set());
+    let mut shown = Command::new("ieap")
+        .args(command.get_arguments())
+        .subcommands(shown)
+        .version(CODE_VERSION);
     let mut script = Vec::new();
-    clap_complete::generate(shell, command, "ieap", &mut script);
+    clap_complete::generate(shell, &mut shown, "ieap", &mut script);
     if !args.install {
         output.write(&script);
         return Ok(DONE);

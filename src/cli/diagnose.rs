@@ -179,7 +179,7 @@ fn print_across(document: &DiagnosisDocument, output: &Output) {
     }
     if !document.campaign_next_runs.is_empty() {
         output.result(&format!(
-            "    {} to make next: `ieap next`",
+            "    {} to make next: `ieap plan`",
             counted(document.campaign_next_runs.len(), "run")
         ));
     }

@@ -1,4 +1,4 @@
-//! `ieap dma`.
+//! `ieap run --only dma`.
 
 use clap::Args;
 
@@ -14,6 +14,7 @@ use crate::pipeline::{AnalyseModulus, Ingest};
 ///
 /// Finds the steps in the logs under dma/ and what the modulus does at each, after taking in new files.
 #[derive(Debug, Args)]
+#[command(override_usage = "ieap run --only dma [OPTIONS] [CAMPAIGN]")]
 pub struct DmaArgs {
     #[command(flatten)]
     campaign: CampaignArg,

@@ -1,14 +1,15 @@
-//! `ieap drive`.
+//! The voltage for a wanted motion: `ieap predict --wanted`.
 
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::Path;
 
-use clap::{ArgGroup, Args};
+use clap::Args;
 
 use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::predict::words;
-use super::strip_args::{OutputFile, StripArgs};
+use super::strip_args::OutputFile;
 use super::table::write;
 use super::typed;
 use crate::domain::number::fixed;
@@ -17,63 +18,54 @@ use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::{read_course, write_drive};
 use crate::pipeline::standalone::forward::{DriveCourse, DriveDocument, Wanted, course_figure};
 
-/// Find the voltage that gives a wanted motion
-///
-/// Within limits, open loop, from the stored fits.
-///
-/// The drive is written with -o FILE.csv as the source takes it: time_s, voltage_v, each row held until the next.
+/// How the voltage may change, and within which limits.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("wanted").required(true).args(["hold", "course"])))]
-pub struct DriveArgs {
-    #[command(flatten)]
-    campaign: CampaignArg,
-    #[command(flatten)]
-    strip: StripArgs,
-    /// Hold the tip at this displacement, as 1mm
-    #[arg(long, value_name = "DISPLACEMENT", value_parser = typed::length, requires = "duration", allow_hyphen_values = true)]
-    hold: Option<Measured>,
-    /// For how long, as 300s
-    #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, requires = "hold")]
-    duration: Option<f64>,
-    /// Follow a course: a table of time_s and tip_displacement_mm
-    #[arg(long, value_name = "FILE.csv")]
-    course: Option<PathBuf>,
+#[group(id = "limits", requires = "wanted")]
+pub struct LimitArgs {
     /// Time between changes of the voltage, as 1s [default: a two-hundredth of the course]
     #[arg(long, value_name = "TIME", value_parser = typed::time)]
-    every: Option<f64>,
+    pub every: Option<f64>,
     /// Largest voltage of either sign, as 2.5V [default: the largest that was measured]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
-    max_voltage: Option<f64>,
+    pub max_voltage: Option<f64>,
     /// Largest rate of change, as 0.1V/s [default: none]
     #[arg(long, value_name = "RATE", value_parser = typed::voltage_rate)]
-    max_slope: Option<f64>,
+    pub max_slope: Option<f64>,
     /// Onset of electrolysis, which the voltage stays below, as 1.23V [default: as a diagnosis found it]
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::measured_voltage)]
-    onset: Option<Measured>,
-    #[command(flatten)]
-    file: OutputFile,
+    pub onset: Option<Measured>,
 }
 
-pub fn run(args: &DriveArgs, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_to_show(output)?;
-    let wanted = match (&args.course, args.hold) {
-        (Some(path), _) => Wanted::Course(read_course(path)?),
-        (None, hold) => Wanted::Hold {
-            tip_mm: hold.map_or(0.0, |hold| hold.value),
-            for_s: args.duration.unwrap_or_default(),
-        },
-    };
-    let drive = DriveCourse {
-        strip: args.strip.asked(None)?,
-        wanted,
-        every_s: args.every,
-        max_voltage_v: args.max_voltage,
-        max_slope_v_per_s: args.max_slope,
-        onset_v: args.onset,
-    };
-    let document = drive.run(&context)?;
+/// What is wanted: a displacement that is held for that time, or the course in a file, whose name has an ending or begins as no
+/// number does.
+pub fn wanted(text: &str, for_s: Option<f64>) -> Result<Wanted, CliError> {
+    let path = Path::new(text);
+    let is_letter = |text: &str| text.starts_with(char::is_alphabetic);
+    let is_file = is_letter(text) || path.extension().and_then(OsStr::to_str).is_some_and(is_letter);
+    let wrong = |what: &str| Err(CliError::usage(&format!("--wanted {text}: {what}")));
+    match (typed::length(text), for_s) {
+        (Ok(tip), Some(for_s)) => Ok(Wanted::Hold {
+            tip_mm: tip.value,
+            for_s,
+        }),
+        (Ok(_), None) => wrong("needed for how long it is held, as --for 300s"),
+        (Err(_), None) if is_file => Ok(Wanted::Course(read_course(path)?)),
+        (Err(_), Some(_)) if is_file => wrong("a course has its own end; leave --for out"),
+        (Err(error), _) => wrong(&format!("{error}; or the file of a course, as FILE.csv")),
+    }
+}
+
+/// Shows the drive that is found, and writes it where a file is asked for.
+pub fn show(
+    campaign: &CampaignArg,
+    course: &DriveCourse,
+    file: &OutputFile,
+    output: &Output,
+) -> Result<u8, CliError> {
+    let context = campaign.open_to_show(output)?;
+    let document = course.run(&context)?;
     print(&document, output);
-    if let Some((path, ending, overwrite)) = args.file.asked() {
+    if let Some((path, ending, overwrite)) = file.asked() {
         let bytes = match ending.as_str() {
             "csv" => write_drive(&document.drive).into_bytes(),
             format => course_figure(&document, context.campaign.notice.as_deref(), format)?,

@@ -37,19 +37,6 @@ pub struct DropArgs {
     by: Option<String>,
 }
 
-impl DropArgs {
-    /// Puts runs back.
-    pub fn undo(runs: Vec<String>, why: Option<String>, by: Option<String>) -> DropArgs {
-        DropArgs {
-            runs,
-            why,
-            undo: true,
-            deleted: false,
-            by,
-        }
-    }
-}
-
 pub fn run(args: &DropArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
     let said = SpeakOfRuns {
         runs: args.runs.clone(),

@@ -23,7 +23,7 @@ pub struct FigureArgs {
     #[command(flatten)]
     campaign: CampaignArg,
     /// List the figures
-    #[arg(long)]
+    #[arg(long, hide = true)]
     list: bool,
     /// svg, png or pdf [default: by the ending of --output, else svg]
     #[arg(long, short, value_name = "FORMAT")]

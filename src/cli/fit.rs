@@ -1,4 +1,4 @@
-//! `ieap fit`.
+//! `ieap run --only fit`.
 
 use crate::domain::words::counted;
 
@@ -22,6 +22,7 @@ use crate::pipeline::{Context, FitRuns, FitSummary, Ingest, PipelineError, files
 ///
 /// New files are taken in before. A run is fitted again where its data, its tags or its model changed.
 #[derive(Debug, Args)]
+#[command(override_usage = "ieap run --only fit [OPTIONS] [CAMPAIGN]")]
 pub struct FitArgs {
     #[command(flatten)]
     campaign: CampaignArg,
@@ -57,7 +58,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
     }
     done.unwrap_or_else(|| {
         let goes_on = GoesOn {
-            verb: "fit",
+            verb: "run --only fit",
             diagnoses: false,
             reports: false,
         };
@@ -66,7 +67,7 @@ pub fn run(args: &FitArgs, global: &Global, output: &Output) -> Result<u8, CliEr
 }
 
 /// Said where the work under way did not end by itself in time.
-const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap fit` goes on from there.";
+const CUT_OFF: &str = "Interrupted. What was made so far is kept; `ieap run --only fit` goes on from there.";
 
 fn fitted(
     args: &FitArgs,

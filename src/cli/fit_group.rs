@@ -1,4 +1,4 @@
-//! `ieap fit --group`: runs of one sample in one condition fitted at once; `--profile` and `--bootstrap` without it: the
+//! `ieap run --only fit --group`: runs of one sample in one condition fitted at once; `--profile` and `--bootstrap` without it: the
 //! same intervals for every run by itself.
 
 use clap::Args;

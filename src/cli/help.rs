@@ -1,11 +1,12 @@
-//! What `ieap --help` shows: verbs by what a person is about to do, and the options of every verb once.
+//! What `ieap --help` shows: verbs in the order of a day's work, and the options of every verb once. A verb's own help begins with
+//! an example.
 
 use std::ffi::OsString;
 
 use clap::Command;
 
-/// Groups of verbs, each with how many of the verbs, in their order, it has.
-type Groups = &'static [(&'static str, usize)];
+/// Groups of verbs, each with the examples of its verbs in their order.
+pub type Groups = &'static [(&'static str, &'static [&'static str])];
 
 /// The help that a command line asks for: of the program, or of the first verb in it. Short where `-h` asks.
 pub fn text(program: Command, groups: Groups, words: &[OsString], is_coloured: bool) -> String {
@@ -33,10 +34,10 @@ fn arranged(program: Command, groups: Groups) -> Command {
         "{{about-with-newline}}\n\
          A campaign is a folder with a campaign.toml and instrument files under runs/. `ieap init FOLDER\n\
          --from FILES` makes one of your files, `ieap run FOLDER` makes its report.\n\n\
-         {{usage-heading}} {{usage}}\n{}\n\nOptions of every verb:\n{{options}}\n\n\
+         {{usage-heading}} {{usage}}\n\nIn the order of a day's work:\n{}\n\nOptions of every verb:\n{{options}}\n\n\
          `ieap help VERB` says more of a verb. Exit status: 0 done, 1 a fault of the program, 2 wrong usage,\n\
          3 done but some inputs were refused, 4 the database or the disk refused, 5 an alarm.\n",
-        verbs(&program, groups)
+        list(&program, groups, "day")
     );
     let global: Vec<String> = program
         .get_arguments()
@@ -46,49 +47,73 @@ fn arranged(program: Command, groups: Groups) -> Command {
     let mut program = program.help_template(template);
     // Only then have the verbs the options of the program.
     program.build();
-    let names: Vec<String> = program
-        .get_subcommands()
-        .map(|verb| verb.get_name().to_owned())
-        .filter(|name| name != "help")
+    let examples: Vec<(String, String)> = rows(&program, groups)
+        .map(|(_, verb, example)| (verb.get_name().to_owned(), example.to_owned()))
         .collect();
-    names.iter().fold(program, |program, name| {
+    examples.iter().fold(program, |program, (name, example)| {
         program.mut_subcommand(name, |verb| {
             global
                 .iter()
                 .fold(verb, |verb, id| verb.mut_arg(id, |option| option.hide(true)))
+                .before_help(format!("    ieap {example}"))
                 .after_help("Options of every verb: `ieap help`")
         })
     })
 }
 
-/// A heading for each group, and a line for each verb of it.
-fn verbs(program: &Command, groups: Groups) -> String {
-    let (mut text, mut verbs) = (String::new(), program.get_subcommands());
-    for (group, count) in groups {
-        text += &format!("\n{group}\n");
-        for verb in verbs.by_ref().take(*count) {
-            let about = verb.get_about().map(ToString::to_string).unwrap_or_default();
-            text += &format!("  {:<12} {about}\n", verb.get_name());
-        }
-    }
-    text.trim_end().to_owned()
+/// Every verb of a group with the group's name and its example.
+pub fn rows(
+    program: &Command,
+    groups: Groups,
+) -> impl Iterator<Item = (&'static str, &Command, &'static str)> {
+    let examples = groups
+        .iter()
+        .flat_map(|(group, examples)| examples.iter().map(move |example| (*group, *example)));
+    let verbs = program.get_subcommands().zip(examples);
+    verbs.map(|(verb, (group, example))| (group, verb, example))
+}
+
+/// A line for each verb of a group.
+pub fn list(program: &Command, groups: Groups, wanted: &str) -> String {
+    let verbs = rows(program, groups).filter(|(group, ..)| *group == wanted);
+    let lines = verbs.map(|(_, verb, _)| {
+        let about = verb.get_about().map(ToString::to_string).unwrap_or_default();
+        format!("  {:<12} {about}", verb.get_name())
+    });
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Cli, GROUPS, words};
     use super::*;
     use clap::CommandFactory;
 
     #[test]
-    fn every_verb_is_shown_on_one_line() {
-        let program = super::super::Cli::command();
+    fn every_verb_is_shown_on_one_line_of_one_list() {
+        let program = Cli::command();
         let shown = program.get_subcommands().filter(|verb| !verb.is_hide_set());
-        let text = verbs(&program, super::super::GROUPS);
-        let lines = text.lines().filter(|line| line.starts_with("  "));
-        let listed = lines.filter_map(|line| line.split_whitespace().next());
-        assert!(listed.eq(shown.map(Command::get_name)), "{text}");
-        let long: Vec<&str> = text.lines().filter(|line| line.chars().count() > 70).collect();
+        let [day, rare] = ["day", "rare"].map(|group| list(&program, GROUPS, group));
+        let both = format!("{day}\n{rare}");
+        let listed = both.lines().filter_map(|line| line.split_whitespace().next());
+        assert!(listed.eq(shown.map(Command::get_name)), "{both}");
+        assert!(day.lines().count() <= 20, "{day}");
+        let long: Vec<&str> = both.lines().filter(|line| line.chars().count() > 70).collect();
         assert!(long.is_empty(), "{long:#?}");
-        assert!(text.lines().all(|line| !line.ends_with(' ')), "{text}");
+        assert!(both.lines().all(|line| !line.ends_with(' ')), "{both}");
+    }
+
+    #[test]
+    fn every_example_is_one_of_its_verb() {
+        let program = Cli::command();
+        for (_, verb, example) in rows(&program, GROUPS) {
+            let line = format!("ieap {example}").split(' ').map(OsString::from).collect();
+            let found = Cli::command().try_get_matches_from(words::taken(line));
+            let found = found.unwrap_or_else(|error| panic!("{example}: {error}"));
+            assert_eq!(found.subcommand_name(), Some(verb.get_name()), "{example}");
+        }
+        let steps = rows(&program, GROUPS).filter(|(group, ..)| *group == "step");
+        let own = words::STEPS.iter().filter(|step| **step != "diagnose");
+        assert!(steps.map(|(_, verb, _)| verb.get_name()).eq(own.copied()));
     }
 }

@@ -1,4 +1,4 @@
-//! `ieap impedance`.
+//! `ieap run --only impedance`.
 
 use clap::Args;
 
@@ -15,6 +15,7 @@ use crate::pipeline::findings::impedance::{SCHEMA, has_fault, spectra, view};
 ///
 /// Sets them beside the steps of the same samples, after taking in new files.
 #[derive(Debug, Args)]
+#[command(override_usage = "ieap run --only impedance [OPTIONS] [CAMPAIGN]")]
 pub struct ImpedanceArgs {
     #[command(flatten)]
     campaign: CampaignArg,

@@ -51,7 +51,7 @@ fn print(summary: &ImportSummary, output: &Output) {
     for (version, count) in &summary.of_other_versions {
         output.message(&format!(
             "{} made by ieap {version}, this is {}: `ieap status` lists them, `code_version` in fits_view tells \
-             them apart, and `ieap fit --again` makes them anew.",
+             them apart, and `ieap run --only fit --again` makes them anew.",
             counted(*count, "fit"),
             CODE_VERSION
         ));

@@ -1,4 +1,4 @@
-//! `ieap ingest`.
+//! `ieap run --only ingest`.
 
 use crate::domain::words::counted;
 use std::collections::BTreeMap;
@@ -20,6 +20,7 @@ use crate::pipeline::{Ingest, IngestSummary};
 ///
 /// Recognises, reads, tags, archives and stores them.
 #[derive(Debug, Args)]
+#[command(override_usage = "ieap run --only ingest [OPTIONS] [CAMPAIGN]")]
 pub struct IngestArgs {
     #[command(flatten)]
     campaign: CampaignArg,

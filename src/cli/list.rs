@@ -6,7 +6,7 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::{effects, figure, formats, models, schema, table};
 
-/// List formats, models, effects, schemas, tables, figures
+/// List rare verbs, formats, models, effects, schemas
 ///
 /// With the name of an effect it says everything that is known of that effect; with the name of a schema it prints the
 /// JSON Schema (draft 2020-12) of that document.
@@ -32,24 +32,32 @@ pub enum What {
     /// JSON Schemas of what --json prints
     #[value(alias = "schema")]
     Schemas,
-    /// Tables that `ieap table` prints
+    /// Tables, as `ieap table` lists them
+    #[value(hide = true)]
     Tables,
-    /// Figures that `ieap figure` draws
+    /// Figures, as `ieap figure` lists them
+    #[value(hide = true)]
     Figures,
 }
 
-pub fn run(args: &ListArgs, output: &Output) -> Result<u8, CliError> {
+/// Lists what is asked for; without that what can be listed, and `rare`, the verbs that `ieap help` leaves out.
+pub fn run(args: &ListArgs, rare: &str, output: &Output) -> Result<u8, CliError> {
     match args.what {
         Some(what) => of(what, args.name.as_deref(), output),
         None if output.json => Err(CliError::usage(
             "list: needed what to list, as in `ieap list formats --json`",
         )),
         None => {
+            output.result("`ieap list` WHAT lists:");
             for what in What::value_variants() {
                 let value = what.to_possible_value().unwrap_or_default();
+                if value.is_hide_set() {
+                    continue;
+                }
                 let about = value.get_help().map(ToString::to_string).unwrap_or_default();
-                output.result(&format!("{:<10} {about}", value.get_name()));
+                output.result(&format!("  {:<12} {about}", value.get_name()));
             }
+            output.result(&format!("\nVerbs that are needed rarely:\n{rare}"));
             Ok(DONE)
         }
     }

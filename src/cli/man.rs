@@ -6,6 +6,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::exit::{CliError, DONE};
+use super::help::{Groups, rows};
 use super::output::Output;
 use super::user_folders;
 use crate::pipeline::CODE_VERSION;
@@ -28,7 +29,7 @@ pub struct ManArgs {
     overwrite: bool,
 }
 
-pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, CliError> {
+pub fn run(args: &ManArgs, mut program: Command, groups: Groups, output: &Output) -> Result<u8, CliError> {
     // What the verbs take from the program (--json and the like) is known to them only then.
     program.build();
     let folder = match (&args.into, args.install) {
@@ -50,14 +51,14 @@ pub fn run(args: &ManArgs, mut program: Command, output: &Output) -> Result<u8, 
                 "man: a page is no document; leave --json out, or ask `ieap list schemas` for what the verbs print with it",
             ));
         }
-        output.write(&page(command)?);
+        output.write(&page(command, &program, groups)?);
         return Ok(DONE);
     };
-    let is_shown = |verb: &&Command| !verb.is_hide_set() && verb.get_name() != "help";
-    let verbs = program.get_subcommands().filter(is_shown);
+    let verbs = rows(&program, groups).map(|(_, verb, _)| verb);
     for command in std::iter::once(&program).chain(verbs) {
         let name = format!("{}.1", name(command));
-        user_folders::put(&folder, &name, &page(command)?, args.overwrite, output)?;
+        let page = page(command, &program, groups)?;
+        user_folders::put(&folder, &name, &page, args.overwrite, output)?;
     }
     output.result(&format!(
         "{}: `man ieap`, `man ieap-run` and so on show them",
@@ -72,7 +73,8 @@ fn name(command: &Command) -> String {
     whole.to_owned()
 }
 
-fn page(command: &Command) -> Result<Vec<u8>, CliError> {
+/// The page of a verb, or of the program.
+fn page(command: &Command, program: &Command, groups: Groups) -> Result<Vec<u8>, CliError> {
     let mut page = Vec::new();
     Man::new(command.clone())
         .title(name(command))
@@ -81,6 +83,14 @@ fn page(command: &Command) -> Result<Vec<u8>, CliError> {
         .render(&mut page)
         .map_err(|error| CliError::internal(&error.to_string()))?;
     page.extend_from_slice(END.as_bytes());
+    // Of the verb one example, of the program those of a day's work.
+    for (group, verb, example) in rows(program, groups) {
+        if verb.get_name() == command.get_name() || command.has_subcommands() && group == "day" {
+            let about = verb.get_about().map(ToString::to_string).unwrap_or_default();
+            let line = format!(".TP\n{about}:\nieap {example}\n");
+            page.extend_from_slice(line.replace('-', "\\-").as_bytes());
+        }
+    }
     Ok(page)
 }
 
@@ -108,13 +118,4 @@ done, and an alarm stands (ieap status \-\-alarms)
 \fB130\fR
 interrupted; what was made is kept
 .SH EXAMPLES
-.TP
-A campaign from a folder of files, and its report:
-ieap init my\-campaign \-\-from FOLDER; ieap run my\-campaign
-.TP
-What the model gets wrong, and why:
-ieap diagnose my\-campaign
-.TP
-Tables for other programs:
-ieap export my\-campaign \-\-what all \-o export
 "#;

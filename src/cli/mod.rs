@@ -21,7 +21,6 @@ mod fit;
 mod fit_choice;
 mod fit_group;
 mod formats;
-mod former;
 mod global;
 mod help;
 mod impedance;
@@ -60,6 +59,7 @@ mod typed;
 mod user_folders;
 mod verify;
 mod watch;
+mod words;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
@@ -85,18 +85,20 @@ struct Cli {
     verb: Verb,
 }
 
-/// The verbs from one table: the command line, the groups of its help, and what runs each.
+/// The verbs from one table: the command line, an example of each on the campaign of the thesis, and what runs it. A group is
+/// in the help of the program or not; a step of `run` is in no list.
 macro_rules! verbs {
-    ($($group:literal { $($verb:ident($args:ty) => $run:expr,)+ })+) => {
+    ($($group:literal hide $hide:literal { $($verb:ident($args:ty) $example:literal => $run:expr,)+ })+) => {
         #[derive(Debug, Subcommand)]
         enum Verb {
-            $($($verb($args),)+)+
-            #[command(flatten)]
-            Former(former::Former),
+            $($(
+                #[command(hide = $hide)]
+                $verb($args),
+            )+)+
         }
 
-        /// Groups of the help, each with how many of the verbs, in their order, it has.
-        const GROUPS: &[(&str, usize)] = &[$(($group, [$(stringify!($verb)),+].len())),+];
+        /// Groups of verbs, each with the examples of its verbs in their order.
+        const GROUPS: help::Groups = &[$(($group, &[$($example),+])),+];
 
         fn dispatch(cli: &Cli, output: &Output) -> Result<u8, CliError> {
             match &cli.verb {
@@ -104,63 +106,52 @@ macro_rules! verbs {
                     let run: fn(&$args, &Global, &Output) -> Result<u8, CliError> = $run;
                     run(args, &cli.global, output)
                 })+)+
-                Verb::Former(word) => former::run(word, &cli.global, output),
             }
         }
     };
 }
 
-// By what a person is about to do, what everybody needs first.
+// The first group in the order of a day's work.
 verbs! {
-    "start" {
-        Init(init::InitArgs) => |args, _, output| init::run(args, output),
-        Run(run::RunArgs) => run::run,
-        Watch(watch::WatchArgs) => watch::run,
-        Serve(serve::ServeArgs) => serve::run,
-        Status(status::StatusArgs) => |args, _, output| status::run(args, output),
+    "day" hide false {
+        Init(init::InitArgs) "init my-campaign --from campaigns/thesis/runs --yes" => |args, _, output| init::run(args, output),
+        Inspect(inspect::InspectArgs) "inspect campaigns/thesis/runs/CNaf/air/CNaf_air_2.0V.csv" => |args, _, output| inspect::run(args, output),
+        Run(run::RunArgs) "run campaigns/thesis" => run::run,
+        Watch(watch::WatchArgs) "watch campaigns/thesis" => watch::run,
+        Serve(serve::ServeArgs) "serve campaigns/thesis" => serve::run,
+        Status(status::StatusArgs) "status campaigns/thesis" => |args, _, output| status::run(args, output),
+        Tag(tag::TagArgs) "-C campaigns/thesis tag runs/CNaf/air/CNaf_air_2.0V.csv operator=Lee" => tag::run,
+        Drop(drop::DropArgs) "-C campaigns/thesis drop runs/CNaf/air/CNaf_air_2.0V.csv --why slipped" => drop::run,
+        Table(table::TableArgs) "table table5 campaigns/thesis" => |args, _, output| table::run(args, output),
+        Figure(figure::FigureArgs) "figure parameters campaigns/thesis -o parameters.svg" => |args, _, output| figure::run(args, output),
+        Diagnose(diagnose::DiagnoseArgs) "diagnose campaigns/thesis" => diagnose::run,
+        Study(study::StudyArgs) "study campaigns/thesis" => |args, _, output| study::run(args, output),
+        Compare(compare::CompareArgs) "compare campaigns/thesis --models lumped-1,lumped-2" => compare::run,
+        Explain(explain::ExplainArgs) "explain table5 1 1 campaigns/thesis" => |args, _, output| explain::run(args, output),
+        Plan(plan::PlanArgs) "plan campaigns/thesis" => plan::run,
+        Predict(predict::PredictArgs) "predict campaigns/thesis --sample CNaf-1 --environment air --voltage 2V" => |args, _, output| predict::run(args, output),
+        Export(export::ExportArgs) "export campaigns/thesis --what fits -o fits.parquet" => |args, _, output| export::run(args, output),
+        Verify(verify::VerifyArgs) "verify campaigns/thesis" => |args, _, output| verify::run(args, output),
+        Backup(backup::BackupArgs) "backup usb-disk/thesis campaigns/thesis" => backup::run,
+        List(list::ListArgs) "list" => |args, _, output| list::run(args, &help::list(&Cli::command(), GROUPS, "rare"), output),
     }
-    "look" {
-        Inspect(inspect::InspectArgs) => |args, _, output| inspect::run(args, output),
-        Table(table::TableArgs) => |args, _, output| table::run(args, output),
-        Figure(figure::FigureArgs) => |args, _, output| figure::run(args, output),
-        Report(report::ReportArgs) => report::run,
-        Export(export::ExportArgs) => |args, _, output| export::run(args, output),
+    "rare" hide false {
+        Restore(backup::RestoreArgs) "restore usb-disk/thesis thesis-again" => |args, _, output| backup::run_restore(args, output),
+        Rebuild(rebuild::RebuildArgs) "rebuild campaigns/thesis" => rebuild::run,
+        ImportFits(import_fits::ImportFitsArgs) "-C campaigns/thesis import-fits fits.parquet" => import_fits::run,
+        Profile(profile::ProfileArgs) "profile campaigns/thesis/dma/CNaf.csv" => |args, _, output| profile::run(args, output),
+        Trace(trace::TraceArgs) "trace frames --length-mm 5 --frames-per-second 10" => |args, _, output| trace::run(args, output),
+        Simulate(simulate::SimulateArgs) "simulate campaigns/thesis/simulation.toml --overwrite" => simulate::run,
+        Convert(convert::ConvertArgs) "-C campaigns/thesis convert tip-displacement=1mm --sample CNaf-1" => |args, _, output| convert::run(args, output),
+        Man(man::ManArgs) "man run" => |args, _, output| man::run(args, Cli::command(), GROUPS, output),
+        Completions(completions::CompletionsArgs) "completions bash" => |args, _, output| completions::run(args, &Cli::command(), output),
     }
-    "say" {
-        Tag(tag::TagArgs) => tag::run,
-        Drop(drop::DropArgs) => drop::run,
-    }
-    "why" {
-        Diagnose(diagnose::DiagnoseArgs) => diagnose::run,
-        Compare(compare::CompareArgs) => compare::run,
-        Explain(explain::ExplainArgs) => |args, _, output| explain::run(args, output),
-    }
-    "next" {
-        Next(next::NextArgs) => |args, _, output| next::run(args, output),
-        Plan(plan::PlanArgs) => plan::run,
-        Predict(predict::PredictArgs) => |args, _, output| predict::run(args, output),
-        Drive(drive::DriveArgs) => |args, _, output| drive::run(args, output),
-    }
-    "keep" {
-        Verify(verify::VerifyArgs) => |args, _, output| verify::run(args, output),
-        Backup(backup::BackupArgs) => backup::run,
-        Restore(backup::RestoreArgs) => |args, _, output| backup::run_restore(args, output),
-        Rebuild(rebuild::RebuildArgs) => rebuild::run,
-    }
-    "more" {
-        Ingest(ingest::IngestArgs) => ingest::run,
-        Fit(fit::FitArgs) => fit::run,
-        Dma(dma::DmaArgs) => dma::run,
-        Impedance(impedance::ImpedanceArgs) => impedance::run,
-        Study(study::StudyArgs) => |args, _, output| study::run(args, output),
-        List(list::ListArgs) => |args, _, output| list::run(args, output),
-        Convert(convert::ConvertArgs) => |args, _, output| convert::run(args, output),
-        Profile(profile::ProfileArgs) => |args, _, output| profile::run(args, output),
-        Trace(trace::TraceArgs) => |args, _, output| trace::run(args, output),
-        Simulate(simulate::SimulateArgs) => simulate::run,
-        ImportFits(import_fits::ImportFitsArgs) => import_fits::run,
-        Man(man::ManArgs) => |args, _, output| man::run(args, Cli::command(), output),
-        Completions(completions::CompletionsArgs) => |args, _, output| completions::run(args, &mut Cli::command(), output),
+    "step" hide true {
+        Ingest(ingest::IngestArgs) "run --only ingest campaigns/thesis" => ingest::run,
+        Fit(fit::FitArgs) "run --only fit campaigns/thesis" => fit::run,
+        Dma(dma::DmaArgs) "run --only dma campaigns/thesis" => dma::run,
+        Impedance(impedance::ImpedanceArgs) "run --only impedance campaigns/thesis" => impedance::run,
+        Report(report::ReportArgs) "run --only report campaigns/thesis" => report::run,
     }
 }
 
@@ -173,7 +164,7 @@ pub fn main() -> ExitCode {
 
 /// The same for a command line that is given, the name of the program first: the exit status.
 pub fn status_after(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = words::taken(arguments.into_iter().collect());
     let choice = colour::asked(arguments.iter().cloned());
     let parsed = Cli::command()
         .color(choice)

@@ -1,9 +1,8 @@
-//! `ieap next`.
+//! The list of runs to make next: `ieap plan` without an option.
 
 use crate::domain::words::counted;
-use std::path::PathBuf;
+use std::path::Path;
 
-use clap::Args;
 use serde_json::json;
 
 use super::campaign::CampaignArg;
@@ -11,30 +10,15 @@ use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::findings::next_runs::{PlannedRun, SheetSummary, plan, write_sheet};
 
-/// List the runs to make next, and what each tells
-///
-/// With --sheet as a run sheet for the bench.
-#[derive(Debug, Args)]
-pub struct NextArgs {
-    #[command(flatten)]
-    campaign: CampaignArg,
-    /// Write the list as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
-    /// saved under its names
-    #[arg(long, value_name = "FILE.csv")]
-    sheet: Option<PathBuf>,
-}
-
-pub fn run(args: &NextArgs, output: &Output) -> Result<u8, CliError> {
-    let context = args.campaign.open_to_show(output)?;
+/// Shows the runs to make next, and writes them as a run sheet where one is asked for.
+pub fn show(campaign: &CampaignArg, sheet: Option<&Path>, output: &Output) -> Result<u8, CliError> {
+    let context = campaign.open_to_show(output)?;
     let plan = plan(&context)?;
     if plan.is_empty() {
         output.result("no run to make next: nothing that was compared was measured in one order only, and no missing law is to be told from another");
     }
     plan.iter().for_each(|entry| print(entry, output));
-    let written = match &args.sheet {
-        Some(file) => Some(write_sheet(&context, &plan, file)?),
-        None => None,
-    };
+    let written = sheet.map(|file| write_sheet(&context, &plan, file)).transpose()?;
     if let Some(summary) = &written {
         say(summary, &context.campaign.runs_folder, output);
     }

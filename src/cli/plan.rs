@@ -8,7 +8,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::global::Global;
 use super::output::Output;
-use super::typed;
+use super::{next, typed};
 use crate::domain::Drive;
 use crate::domain::typed_value::Measured;
 use crate::pipeline::findings::study_plan::{self, StudyPlan};
@@ -16,17 +16,27 @@ use crate::pipeline::standalone::forward::AskedStrip;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::preflight::{DRAWS, PlanDocument, Preflight, Subject, Trial, table};
 
-/// Say beforehand what a run determines, or a study sees
+/// List runs to make next, or say what a run would tell
 ///
-/// The run is simulated with its noise several times, and each is fitted as the run itself will be.
+/// Alone it lists the runs to make next, and what each tells.
+/// With --sample, --run or --spec it says what one run would determine: it is simulated with its noise several times, and each
+/// is fitted as the run itself will be.
 /// With --study whole campaigns are simulated, and the study is asked in how many it sees a change.
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("subject").required(true).multiple(true).args(["sample", "run", "spec", "study"])))]
+#[command(group(ArgGroup::new("subject").multiple(true).args(["sample", "run", "spec", "study"])))]
+#[command(group(ArgGroup::new("trial").multiple(true).requires("subject").args([
+    "every", "voltage", "drive", "duration", "bending_every", "start_known", "current_noise", "curvature_noise", "max_voltage",
+    "length", "width",
+])))]
 pub struct PlanArgs {
     #[command(flatten)]
     campaign: CampaignArg,
+    /// Write the runs to make next as a table to fill the bench's day with. Kept in the runs folder, it tags the files that are
+    /// saved under its names
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["subject", "trial"])]
+    sheet: Option<PathBuf>,
     /// Sample whose fits tell; of its runs the one nearest in voltage
-    #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["run", "spec"], requires = "driven")]
+    #[arg(long, value_name = "SAMPLE", conflicts_with_all = ["run", "spec"], requires = "driven", requires = "every")]
     sample: Option<String>,
     /// Environment of the runs [default: the only one]
     #[arg(long, value_name = "ENVIRONMENT", requires = "sample")]
@@ -35,10 +45,10 @@ pub struct PlanArgs {
     #[arg(long, value_name = "PERCENT", value_parser = typed::humidity, requires = "sample")]
     rh: Option<f64>,
     /// An earlier run whose fit and noise tell; with --spec one of its runs [default: the first]
-    #[arg(long, value_name = "RUN")]
+    #[arg(long, value_name = "RUN", requires = "every")]
     run: Option<String>,
     /// Parameters and noise from a file as `ieap simulate` takes it, in place of a campaign
-    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["campaign", "length", "width"])]
+    #[arg(long, value_name = "SPEC.toml", conflicts_with_all = ["campaign", "length", "width"], requires = "every")]
     spec: Option<PathBuf>,
     /// Length of another strip of the laminate, as 12mm [default: the sample's]
     #[arg(long, value_name = "LENGTH", value_parser = typed::length)]
@@ -53,7 +63,7 @@ pub struct PlanArgs {
     #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage", group = "driven")]
     drive: Option<PathBuf>,
     /// Time between readings, as 0.25s
-    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true, required_unless_present = "study")]
+    #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
     every: Option<f64>,
     /// Time between readings of the bending, as 1s [default: as --every]
     #[arg(long, value_name = "TIME", value_parser = typed::time, allow_hyphen_values = true)]
@@ -74,13 +84,10 @@ pub struct PlanArgs {
     #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage)]
     max_voltage: Option<f64>,
     /// Simulated runs for each way to make the run, or campaigns for each number of strips [default: 20, or 100]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "subject")]
     draws: Option<usize>,
     /// Ask in how many campaigns like this one the study would see a change
-    #[arg(long, conflicts_with_all = [
-        "sample", "run", "spec", "every", "driven", "duration", "bending_every", "start_known", "current_noise", "curvature_noise",
-        "max_voltage", "length", "width",
-    ])]
+    #[arg(long, conflicts_with_all = ["sample", "run", "spec", "trial"])]
     study: bool,
     /// Numbers of strips a material [default: 2,3,4,6]
     #[arg(long, value_name = "N,N", value_delimiter = ',', requires = "study")]
@@ -94,8 +101,10 @@ pub struct PlanArgs {
 }
 
 pub fn run(args: &PlanArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
-    let Some(every_s) = args.every else {
-        return plan_study(args, global, output);
+    let every_s = match args.every {
+        Some(every_s) => every_s,
+        None if args.study => return plan_study(args, global, output),
+        None => return next::show(&args.campaign, args.sheet.as_deref(), output),
     };
     let drive = match (&args.drive, args.voltage) {
         (Some(path), _) => Some(read_drive(path)?),

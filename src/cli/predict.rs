@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::campaign::CampaignArg;
+use super::drive::{self, LimitArgs};
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use super::strip_args::{OutputFile, StripArgs};
@@ -16,12 +17,15 @@ use crate::domain::typed_value::Measured;
 use crate::domain::words::counted;
 use crate::pipeline::standalone::forward::drive_file::read_drive;
 use crate::pipeline::standalone::forward::{
-    Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
+    DriveCourse, Forecast, Predict, PredictedRow, PredictionDocument, prediction_figure,
 };
 
-/// Predict another strip, voltage or drive from fits
+/// Predict a run from fits, or the voltage for a motion
 ///
-/// Each number has the interval in which a further run lies in 95 of 100 cases.
+/// Of another strip, voltage or drive: each number has the interval in which a further run lies in 95 of 100 cases.
+///
+/// With --wanted it finds the voltage that gives a wanted motion, within limits, open loop. With -o FILE.csv the drive is
+/// written as the source takes it: time_s, voltage_v, each row held until the next.
 #[derive(Debug, Args)]
 pub struct PredictArgs {
     #[command(flatten)]
@@ -29,10 +33,10 @@ pub struct PredictArgs {
     #[command(flatten)]
     strip: StripArgs,
     /// Voltage of a step at time zero, as 2V
-    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, required_unless_present = "drive", allow_hyphen_values = true)]
+    #[arg(long, value_name = "VOLTAGE", value_parser = typed::voltage, required_unless_present_any = ["drive", "wanted"], conflicts_with_all = ["limits", "duration"], allow_hyphen_values = true)]
     voltage: Option<f64>,
     /// A drive in place of a step: a table of time_s and voltage_v, each row held until the next
-    #[arg(long, value_name = "FILE.csv", conflicts_with = "voltage")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["voltage", "limits", "duration"])]
     drive: Option<PathBuf>,
     /// Times to predict at, as 10s,5min [default: 1, 3, 10, ... s up to the longest run]
     #[arg(long = "at", id = "times", value_name = "TIME,TIME,...", value_delimiter = ',', value_parser = typed::time)]
@@ -40,11 +44,32 @@ pub struct PredictArgs {
     /// Modulus for the blocked moment, as 460MPa [default: from the modulus logs at that humidity]
     #[arg(long, value_name = "MODULUS", value_parser = typed::modulus)]
     modulus: Option<Measured>,
+    /// Find the voltage that holds the tip at a displacement, as 1mm, or that follows a course: a table of time_s and
+    /// tip_displacement_mm
+    #[arg(long, aliases = ["hold", "course"], value_name = "DISPLACEMENT|FILE.csv", allow_hyphen_values = true,
+        conflicts_with_all = ["voltage", "drive", "times", "modulus"])]
+    wanted: Option<String>,
+    /// For how long a displacement is held, as 300s
+    #[arg(long = "for", id = "duration", value_name = "TIME", value_parser = typed::time, requires = "wanted")]
+    duration: Option<f64>,
+    #[command(flatten)]
+    limits: LimitArgs,
     #[command(flatten)]
     file: OutputFile,
 }
 
 pub fn run(args: &PredictArgs, output: &Output) -> Result<u8, CliError> {
+    if let Some(motion) = &args.wanted {
+        let course = DriveCourse {
+            strip: args.strip.asked(None)?,
+            wanted: drive::wanted(motion, args.duration)?,
+            every_s: args.limits.every,
+            max_voltage_v: args.limits.max_voltage,
+            max_slope_v_per_s: args.limits.max_slope,
+            onset_v: args.limits.onset,
+        };
+        return drive::show(&args.campaign, &course, &args.file, output);
+    }
     let context = args.campaign.open_to_show(output)?;
     let drive = match (&args.drive, args.voltage) {
         (Some(path), _) => read_drive(path)?,

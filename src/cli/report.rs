@@ -1,4 +1,4 @@
-//! `ieap report`.
+//! `ieap run --only report`.
 
 use crate::domain::words::counted;
 use clap::Args;
@@ -11,8 +11,11 @@ use super::global::Global;
 use super::output::Output;
 use crate::pipeline::{Context, RenderReport, ReportSummary, standing_report};
 
-/// Write the report anew, without looking for files
+/// A step of `run`: write the report anew
+///
+/// Without looking for files.
 #[derive(Debug, Args)]
+#[command(override_usage = "ieap run --only report [OPTIONS] [CAMPAIGN]")]
 pub struct ReportArgs {
     #[command(flatten)]
     campaign: CampaignArg,

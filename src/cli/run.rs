@@ -1,7 +1,10 @@
 //! `ieap run`.
 
+use std::convert::Infallible;
+
 use crate::domain::words::counted;
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::json;
 
 use super::allow_command::AllowCommandArg;
@@ -13,6 +16,7 @@ use super::global::Global;
 use super::interrupted::{GoesOn, interrupted};
 use super::output::Output;
 use super::tag::user_name;
+use super::words::{self, STEPS};
 use super::{diagnose, ingest, report, signals};
 use crate::pipeline::upkeep::verify::archive::raw_files_lost;
 use crate::pipeline::upkeep::verify::missed;
@@ -25,16 +29,19 @@ use crate::pipeline::{Context, DiagnoseSummary, Made, Run, RunSummary, answer};
 pub struct RunArgs {
     #[command(flatten)]
     campaign: CampaignArg,
+    /// Do one step only, with options of its own, which `ieap run --only STEP --help` tells
+    #[arg(long, value_name = "STEP", value_parser = PossibleValuesParser::new(STEPS).try_map(words::read))]
+    only: Option<Infallible>,
     #[command(flatten)]
     fit: FitChoiceArgs,
     /// Leave the diagnosis for later (`ieap diagnose`)
     #[arg(long)]
     no_diagnose: bool,
     /// Make a new database from the files in the campaign, where the old one is lost or damaged; it is moved aside
-    #[arg(long, conflicts_with = "new_archive")]
+    #[arg(long, hide = true, conflicts_with = "new_archive")]
     new_database: bool,
     /// Make a new archive from the files in the campaign, where the old one is lost
-    #[arg(long)]
+    #[arg(long, hide = true)]
     new_archive: bool,
     /// Say that you looked after words that may be lost since a rebuilding, and what you found: it is kept in the journal, and
     /// `status` and `run` then end as ever
@@ -45,6 +52,9 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &RunArgs, global: &Global, output: &Output) -> Result<u8, CliError> {
+    if let Some(never) = args.only {
+        match never {}
+    }
     let interrupt = signals::listen(global.quiet, None, CUT_OFF)?;
     let mut context = open(args, global, output)?;
     if let Some(found) = &args.answer {

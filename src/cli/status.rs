@@ -192,7 +192,7 @@ fn collect(status: &Status, told: &mut Sections) {
     told.section("run", "that could not be fitted", &failed.collect::<Vec<_>>());
     let waiting = status.not_fitted.iter().filter(waits);
     let waiting: Vec<String> = waiting.map(|run| run.path.clone()).collect();
-    let title = "waiting for a fit (`ieap fit` or `ieap run` makes it)";
+    let title = "waiting for a fit (`ieap run` makes it)";
     told.list("run", title, &waiting);
     let contradict = "under several names that are tagged differently";
     told.section("run", contradict, &status.names_contradict);

@@ -29,7 +29,7 @@ pub struct TableArgs {
     #[command(flatten)]
     campaign: CampaignArg,
     /// List the tables
-    #[arg(long)]
+    #[arg(long, hide = true)]
     list: bool,
     /// text, csv, markdown, latex, typst, html or json [default: by the ending of --output, else text]
     #[arg(long, short, value_name = "FORMAT")]

@@ -284,6 +284,7 @@ fn obey(folder: &CampaignFolder, page: &str, line: &str, reason: Option<&str>) -
     let is_long = counted(0, 1) == 1;
     match words[0].as_str() {
         _ if reason.is_some() => words.push("--help".to_owned()),
+        "run" if words.contains(&"--only".to_owned()) => {}
         "run" if !is_long && !words.contains(&"--no-diagnose".to_owned()) => {
             words.push("--no-diagnose".to_owned());
         }
@@ -376,11 +377,41 @@ fn pages() -> Vec<(String, String)> {
     paths.into_iter().map(named).collect()
 }
 
+/// Every verb that a list of the program shows, in its order.
+fn listed_verbs() -> Vec<String> {
+    let [help, rare] = [&["help"][..], &["list"]].map(|words| ieap(Path::new("."), words).expect(0).stdout);
+    let (_, day) = help.split_once("day's work:\n").unwrap();
+    let (day, _) = day.split_once("\n\n").unwrap();
+    let (_, rare) = rare.split_once("rarely:\n").unwrap();
+    let lines = day.lines().chain(rare.lines());
+    lines
+        .map(|line| line.split_whitespace().next().unwrap().to_owned())
+        .collect()
+}
+
+/// A page of the examples with which the help of the verbs, and of the steps of `run`, begins.
+fn examples(verbs: &[String]) -> String {
+    let steps = ["ingest", "fit", "dma", "impedance", "report"].map(str::to_owned);
+    let mut page = String::new();
+    for verb in verbs.iter().chain(&steps) {
+        let help = ieap(Path::new("."), &["help", verb]).expect(0).stdout;
+        let example = help.lines().next().unwrap();
+        assert!(example.starts_with("    ieap "), "{verb}: {help}");
+        let reason = match verb.as_str() {
+            "watch" | "serve" => format!("  {NOT_TRIED}goes on until it is stopped"),
+            "import-fits" => format!("  {NOT_TRIED}takes the files of a cluster"),
+            _ => String::new(),
+        };
+        page += &format!("{example}{reason}\n");
+    }
+    page
+}
+
 #[test]
 #[ignore = "slow: cargo test -- --ignored"]
 fn every_command_and_every_file_on_a_page_works() {
     let whole = world();
-    let verbs = ieap(Path::new("."), &["help"]).expect(0).stdout;
+    let verbs = listed_verbs();
     let (mut ran, mut read) = (0, 0);
     let mut said = String::new();
     let mut faults = Vec::new();
@@ -392,9 +423,10 @@ fn every_command_and_every_file_on_a_page_works() {
             String::new()
         })
     };
-    for (name, page) in pages() {
+    let examples = ("ieap help VERB".to_owned(), examples(&verbs));
+    for (name, page) in pages().into_iter().chain([examples]) {
         for verb in names(&page) {
-            let is_listed = verbs.contains(&format!("\n  {verb} ")) || ["help", "formats"].contains(&verb);
+            let is_listed = verbs.iter().any(|known| known == verb) || verb == "help";
             tried(&|| {
                 assert!(is_listed, "{name}: there is no verb `{verb}`");
                 String::new()

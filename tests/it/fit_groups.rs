@@ -1,4 +1,4 @@
-//! `ieap fit --group`: runs of one sample in one condition, fitted at once.
+//! `ieap run --only fit --group`: runs of one sample in one condition, fitted at once.
 
 use serde_json::Value;
 

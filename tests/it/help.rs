@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::campaign::{CampaignFolder, command, ieap};
+use super::campaign::{CampaignFolder, command, ieap, run_table};
 
 fn help(words: &[&str]) -> String {
     asked(&[words, &["--help"]].concat())
@@ -18,13 +18,16 @@ fn asked(words: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The verbs that the help of the program lists, in its order: indented by two, under a group's name.
-fn verbs(help: &str) -> Vec<&str> {
-    let (_, list) = help.split_once("\nstart\n").unwrap();
-    let (list, _) = list.split_once("\nOptions of every verb:").unwrap();
-    list.lines()
-        .filter(|line| line.starts_with("  "))
-        .filter_map(|line| line.split_whitespace().next())
+/// The verbs that the help of the program lists, then those that are needed rarely.
+fn verbs(help: &str) -> Vec<String> {
+    let (_, list) = help.split_once("\nIn the order of a day's work:\n").unwrap();
+    let (list, _) = list.split_once("\n\nOptions of every verb:").unwrap();
+    assert!(list.lines().count() <= 20, "{list}");
+    let known = asked(&["list"]);
+    let (_, rare) = known.split_once("rarely:\n").unwrap();
+    let lines = list.lines().chain(rare.lines());
+    lines
+        .filter_map(|line| Some(line.split_whitespace().next()?.to_owned()))
         .collect()
 }
 
@@ -35,9 +38,10 @@ fn every_verb_says_what_it_does_and_takes() {
     assert!(verbs.len() > 25, "{verbs:?}");
     assert_eq!(whole, asked(&["help"]));
     let mut told = format!("$ ieap --help\n{whole}");
-    for verb in verbs {
-        let own = help(&[verb]);
-        assert_eq!(own, asked(&["help", verb]), "`ieap help {verb}`");
+    let steps = ["ingest", "fit", "dma", "impedance", "report"].map(str::to_owned);
+    for verb in verbs.into_iter().chain(steps) {
+        let own = help(&[&verb]);
+        assert_eq!(own, asked(&["help", &verb]), "`ieap help {verb}`");
         // They stand in the help of the program, once.
         assert!(!own.contains("--no-progress"), "{own}");
         assert!(
@@ -66,9 +70,58 @@ fn former_words_mean_what_they_meant() {
     same(&["schema", "fits"], &["list", "schemas", "fits"]);
     same(&["table"], &["list", "tables"]);
     same(&["figure"], &["list", "figures"]);
-    let whole = help(&[]);
-    for word in ["undrop", "  formats", "  schema"] {
-        assert!(!whole.contains(word), "{word}: {whole}");
+    for step in ["ingest", "fit", "dma", "impedance", "diagnose", "report"] {
+        same(&[step, "--help"], &["run", "--only", step, "--help"]);
+    }
+    let shown = verbs(&help(&[]));
+    for word in ["undrop", "formats", "schema", "fit", "report", "next", "drive"] {
+        assert!(!shown.iter().any(|verb| verb == word), "{word}: {shown:?}");
+    }
+}
+
+/// A step, the runs to make next and the voltage for a motion say under their new words what they said under the old ones.
+#[test]
+fn new_words_say_what_the_old_ones_said() {
+    let folder = CampaignFolder::new();
+    folder.write("runs/a.csv", run_table(1));
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let same = |former: &[&str], now: &[&str]| {
+        let [former, now] = [former, now].map(|words| folder.ieap(words));
+        assert_eq!(former.status, now.status, "{now:?}");
+        assert_eq!(former.stdout, now.stdout, "{}", now.stderr);
+    };
+    same(&["fit", "--json"], &["run", "--only", "fit", "--json"]);
+    same(&["fit", "--group"], &["run", "--group", "--only=fit"]);
+    same(&["report"], &["--color", "never", "run", "--only", "report"]);
+    same(&["next", "--json"], &["plan", "--json"]);
+    let strip = ["--sample", "S1", "--json"];
+    let all = |words: &[&'static str]| [words, &strip[..]].concat();
+    same(
+        &all(&["drive", "--hold", "0.1mm", "--for", "60s"]),
+        &all(&["predict", "--wanted", "0.1mm", "--for", "60s"]),
+    );
+    folder.write("course.csv", "time_s,tip_displacement_mm\n0,0\n30,0.1\n60,0.1\n");
+    same(
+        &all(&["drive", "--course", "course.csv"]),
+        &all(&["predict", "--wanted", "course.csv"]),
+    );
+    // What does not go together is refused, and nothing is done in its place.
+    for wrong in [
+        &["run", "--only", "table"][..],
+        &["run", "--only", "fit", "--only", "report"],
+        &["plan", "--every", "1s"],
+        &["plan", "--sheet", "a.csv", "--study"],
+        &["plan", "--sample", "S1", "--voltage", "1V"],
+        &all(&["predict", "--wanted", "0.1mm"]),
+        &all(&["predict", "--wanted", "0.1mm", "--for", "60s", "--voltage", "1V"]),
+        &all(&["predict", "--wanted", "course.csv", "--for", "60s"]),
+        &all(&["predict", "--voltage", "1V", "--max-voltage", "2V"]),
+        &all(&["predict", "--voltage", "1V", "--for", "60s"]),
+        &all(&["predict", "--wanted", "0.1mm", "--for", "60s", "--at", "1s"]),
+        &["plan", "--sheet", "a.csv", "--every", "1s"],
+        &["plan", "--draws", "9"],
+    ] {
+        folder.ieap(wrong).expect(2);
     }
 }
 

@@ -70,7 +70,7 @@ fn simulate(folder: &CampaignFolder, spec: &str) {
         .expect(0);
 }
 
-/// What `ieap next` says once the runs are fitted; groups are not diagnosed, for that takes long and is shown elsewhere.
+/// What `ieap plan` says once the runs are fitted; groups are not diagnosed, for that takes long and is shown elsewhere.
 fn planned_now(folder: &CampaignFolder) -> Value {
     folder.ieap(&["fit"]).expect(0);
     folder.ieap(&["next", "--json"]).expect(0).json()

@@ -1,4 +1,4 @@
-//! What `ieap fit --group` adds to the document of fits: one entry for every group.
+//! What `ieap run --only fit --group` adds to the document of fits: one entry for every group.
 
 use std::collections::BTreeMap;
 

@@ -193,7 +193,7 @@ impl HeldChoice {
                 )
             }
             ChosenBy::Kept => format!(
-                "{runs}: {said}, kept as it was asked for by hand where campaign.toml states nothing; `ieap fit` with other options changes it; {lasting}"
+                "{runs}: {said}, kept as it was asked for by hand where campaign.toml states nothing; `ieap run --only fit` with other options changes it; {lasting}"
             ),
             ChosenBy::Campaign | ChosenBy::Default => format!("{runs}: {said}, as campaign.toml states"),
         }

@@ -400,7 +400,7 @@ fn without_fit(runs: &[RunRecord]) -> Vec<Reasoned> {
         let mut issues = run.issues.clone();
         if run.state == RunState::Ready && !issues.iter().any(is_of_failed_fit) {
             let waits = Issue::note(WAITS, "it waits for its fit");
-            issues.push(waits.mend("`ieap fit` or `ieap run` makes it"));
+            issues.push(waits.mend("`ieap run` makes it"));
         }
         Reasoned {
             path: run.path.clone(),

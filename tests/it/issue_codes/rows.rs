@@ -8,7 +8,7 @@ use crate::samples::xlsx;
 
 /// What shows that a code is told.
 pub enum Shown {
-    /// A campaign with these files: `ieap ingest`, `fit` or `status` tells it, or it stands beside a run.
+    /// A campaign with these files: `ieap run --only ingest`, `fit` or `status` tells it, or it stands beside a run.
     Campaign(fn(&CampaignFolder)),
     /// A file of tests/formats: it stands in what is expected of it.
     Format(&'static str),

@@ -1,4 +1,4 @@
-//! What the page of modulus logs shows and `ieap dma` prints.
+//! What the page of modulus logs shows and `ieap run --only dma` prints.
 
 use ieap_domain::modulus::step_keys;
 use ieap_domain::number::{fixed, measured, plain};

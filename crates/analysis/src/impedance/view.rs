@@ -1,4 +1,4 @@
-//! What the page of impedance shows and `ieap impedance` prints: whether each spectrum can be an impedance, which circuit describes
+//! What the page of impedance shows and `ieap run --only impedance` prints: whether each spectrum can be an impedance, which circuit describes
 //! it, and whether a step tells the same circuit.
 
 use ieap_domain::number::{fixed, plain, significant};

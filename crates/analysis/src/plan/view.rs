@@ -16,7 +16,7 @@ const SHEET: Quantity = Quantity::plain("on_sheet", "On the sheet", "run sheet t
 pub fn view(runs: &[PlannedRun]) -> Option<Block> {
     let sheet = Sheet::<&PlannedRun>::new("next-runs", "Runs to make next", 2)
         .remarks(
-            "`ieap next --sheet runs/next.run-sheet.csv` writes them as a run sheet.",
+            "`ieap plan --sheet runs/next.run-sheet.csv` writes them as a run sheet.",
             "",
         )
         .column(PLANNED, |own| own.planned.clone())

@@ -299,7 +299,7 @@ fn causes(asked: &[&Answer]) -> Option<Block> {
         ))
     });
     let head = Block::say(
-        "What changed with it in this design may be the cause as well; only runs in another order tell which (`ieap next`).",
+        "What changed with it in this design may be the cause as well; only runs in another order tell which (`ieap plan`).",
     );
     (!causes.is_empty())
         .then(|| Block::part("What else changed", std::iter::once(head).chain(said).collect()))

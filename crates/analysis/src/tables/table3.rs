@@ -27,7 +27,7 @@ const DIMENSIONS: Quantity = Quantity::new(
     "free length, width, thickness",
     "mm",
 );
-const NONE: &str = "No run is fitted with the distributed model: say `model = \"distributed\"` in campaign.toml, or fit with `ieap fit --model distributed`.";
+const NONE: &str = "No run is fitted with the distributed model: say `model = \"distributed\"` in campaign.toml, or fit with `ieap run --only fit --model distributed`.";
 
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {

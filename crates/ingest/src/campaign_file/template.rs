@@ -19,7 +19,7 @@ title = {id}                            # what stands above the report
 # group_by = ["sample", "environment", "relative_humidity_percent"]
 # tolerance_percent = 1                  # a simulation that is off by less is right
 
-# How all runs are fitted; without it `ieap fit --method ..` or `--simultaneous` holds for the runs that were there.
+# How all runs are fitted; without it `ieap run --only fit --method ..` or `--simultaneous` holds for the runs that were there.
 # [fit]
 # method = "variable-projection"         # `ieap list models` lists the methods
 # simultaneous = true                    # both responses at once, instead of one after the other

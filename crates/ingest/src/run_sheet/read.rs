@@ -65,7 +65,7 @@ fn rows_of(text: &str) -> Result<Vec<SheetRow>, Issue> {
         return Err(damaged(
             "line 1",
             found,
-            "write them, or make the sheet again with `ieap next --sheet`",
+            "write them, or make the sheet again with `ieap plan --sheet`",
         ));
     };
     let mut reader = csv::ReaderBuilder::new()

@@ -58,7 +58,7 @@ fn summary(strip: &AlongStrip, fit: Option<&Fit>) -> Vec<String> {
     }
     if curves().all(|curve| curve.fitted.is_empty()) {
         sentences.push(
-            "No distributed model is fitted to this run, so that measured values stand alone: ieap fit --model distributed fits one."
+            "No distributed model is fitted to this run, so that measured values stand alone: ieap run --only fit --model distributed fits one."
                 .to_owned(),
         );
         return sentences;

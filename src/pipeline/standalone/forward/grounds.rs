@@ -124,7 +124,7 @@ impl Grounds {
             return Err(PipelineError::bad_argument(
                 "--sample",
                 found,
-                "a sample with fitted runs; `ieap fit` makes them".to_owned(),
+                "a sample with fitted runs; `ieap run --only fit` makes them".to_owned(),
             ));
         }
         let curves_of = |run: &RunRecord, quantity: Quantity| -> Result<Vec<f64>, PipelineError> {

@@ -217,7 +217,7 @@ fn nearest(grounds: &Grounds, voltage_v: f64) -> Result<&Source, PipelineError> 
 fn lumped_of(fit: &Fit, run: &str) -> Result<&'static FitModel, PipelineError> {
     let lumped = fit_model(&fit.model).filter(|model| model.id.starts_with("lumped-"));
     lumped.ok_or_else(|| {
-        let needed = "a run with a lumped fit; `ieap fit --model lumped-2` makes it";
+        let needed = "a run with a lumped fit; `ieap run --only fit --model lumped-2` makes it";
         PipelineError::bad_argument("--run", format!("{run}, fitted with {}", fit.model), needed)
     })
 }

@@ -95,7 +95,7 @@ impl Again {
                 None => held.push(row),
                 Some(found) => {
                     let reason = format!(
-                        "fitted again here {found}; it was computed or written wrongly there; `ieap fit` fits the run"
+                        "fitted again here {found}; it was computed or written wrongly there; `ieap run --only fit` fits the run"
                     );
                     // Another file may have it right.
                     known.taken.remove(&row.result.run);

@@ -194,7 +194,7 @@ fn of_result(differs: &RowDiffers) -> Issue {
         let message =
             format!("made again by this program (version {CODE_VERSION}), it has other numbers: {what}");
         Issue::error("result-differs", message).at(of).mend(
-            "if another version of the program made it, `ieap fit --again` or `ieap diagnose --again` makes it \
+            "if another version of the program made it, `ieap run --only fit --again` or `ieap diagnose --again` makes it \
              anew; else report it with the campaign",
         )
     } else {

@@ -35,7 +35,7 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
         };
         issue
             .at(format!("{REPORT_FOLDER}/{name}"))
-            .mend("`ieap report` writes the report anew")
+            .mend("`ieap run --only report` writes the report anew")
     };
     let mut findings: Vec<Issue> = altered.into_iter().map(of_file).collect();
     if let Some(refused) = not_ours(&context.folder)? {
@@ -48,7 +48,9 @@ pub fn part(context: &Context) -> Result<Part, PipelineError> {
     }
     if findings.is_empty() && !is_current(context)? {
         let out_of_date = "it was made from an earlier state of the database or of campaign.toml";
-        findings.push(Issue::note("report-out-of-date", out_of_date).mend("`ieap report` writes it anew"));
+        findings.push(
+            Issue::note("report-out-of-date", out_of_date).mend("`ieap run --only report` writes it anew"),
+        );
     }
     Ok(part(
         "its files against the hashes of what was written, stamp",
