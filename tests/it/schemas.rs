@@ -428,7 +428,7 @@ fn what_each_verb_prints_is_as_its_schema_says() {
         &["next"],
         &["table"],
         &["table", "table5"],
-        &["table", "fits", "--moved"],
+        &["table", "fits-wide", "--moved"],
         &["explain", "fits"],
         &["explain", "fits", "1", "alpha"],
         &["figure"],

@@ -313,13 +313,13 @@ fn a_cell_names_the_bytes_that_it_rests_on() {
 fn a_refit_tells_which_cells_moved() {
     let folder = fitted();
     let still = folder
-        .ieap(&["table", "fits", "--moved", "--json"])
+        .ieap(&["table", "fits-wide", "--moved", "--json"])
         .expect(0)
         .json();
     assert_eq!(still["cells"], serde_json::json!([]));
     folder.ieap(&["fit", "--again", "--model", "lumped-1"]).expect(0);
     let moved = folder
-        .ieap(&["table", "fits", "--moved", "--json"])
+        .ieap(&["table", "fits-wide", "--moved", "--json"])
         .expect(0)
         .json();
     let cells = moved["cells"].as_array().unwrap();
@@ -327,11 +327,13 @@ fn a_refit_tells_which_cells_moved() {
     assert!(of("c1_f_per_cm2").is_some(), "{moved:#}");
     assert!(of("model").is_some_and(|cell| cell["before"].as_str().unwrap().starts_with("lumped-2")));
     let since = folder
-        .ieap(&["table", "fits", "--since", "2020-01-01", "--json"])
+        .ieap(&["table", "fits-wide", "--since", "2020-01-01", "--json"])
         .expect(0)
         .json();
     assert_eq!(since["rows_new"], serde_json::json!(["runs/a.csv", "runs/b.csv"]));
-    let refused = folder.ieap(&["table", "fits", "--since", "yesterday"]).expect(2);
+    let refused = folder
+        .ieap(&["table", "fits-wide", "--since", "yesterday"])
+        .expect(2);
     assert!(refused.stderr.contains("2026-11-20"), "{}", refused.stderr);
 }
 

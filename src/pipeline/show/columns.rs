@@ -1,11 +1,23 @@
 //! The data dictionary: what every column of the tables that `ieap export` writes is. Made from the registries that tables,
 //! parameters and views are made from.
 
+use super::export::TRACES;
+use crate::analysis::laws::doubt::Doubts;
 use crate::analysis::parameters::ParameterInfo;
+use crate::analysis::study::Study;
+use crate::analysis::tables::{TABLES, TableInput};
+use crate::analysis::traces;
+use crate::domain::{Campaign, RunRecord};
 use crate::model::effects;
 use crate::model::fit_models;
 use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
 use crate::store::meaning;
+
+/// Name of the table, and what it shows.
+pub(super) const LISTED: (&str, &str) = (
+    "columns",
+    "Every column of the tables that `ieap export` writes, with unit and meaning",
+);
 
 /// What stands beside a number, by the ending of its column's name.
 const BESIDE: [(&str, &str); 7] = [
@@ -17,6 +29,20 @@ const BESIDE: [(&str, &str); 7] = [
     ("_mean", "mean over runs"),
     ("_runs", "number of runs that determine it"),
 ];
+
+/// One row a column of the tables that are written. Which columns there are, the runs tell; what is made from them only fills
+/// rows.
+pub(super) fn of_written(runs: &[RunRecord], campaign: &Campaign) -> Frame {
+    let (study, doubts) = (Study::default(), Doubts::default());
+    let input = TableInput {
+        told: Some(&study),
+        ..TableInput::new(campaign, runs, &doubts)
+    };
+    let written = TABLES.iter().filter(|table| table.is_written());
+    let heads = written.map(|table| (table.name, table.frame(&input)));
+    let others = [(TRACES, traces::head()), (LISTED.0, columns_table(Vec::new()))];
+    columns_table(heads.chain(others).collect())
+}
 
 /// One row a column of these tables.
 pub(super) fn columns_table(tables: Vec<(&'static str, Frame)>) -> Frame {
@@ -92,7 +118,8 @@ fn of_parameter(key: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::domain::testing::{fit, known, run};
-    use crate::pipeline::show::export::Table;
+    use crate::pipeline::show::export::written;
+    use crate::pipeline::show::plain_tables::listed;
     use crate::store::meanings;
 
     /// Of a campaign with every kind of parameter: those of all models.
@@ -102,7 +129,7 @@ mod tests {
         let parameters: Vec<_> = keys.map(|own| (own.key, known(1.0, 0.1))).collect();
         let mut one = run("runs/a.csv", "S1", "air", Some(34.0), 2.0);
         one.fit = Some(fit(&parameters));
-        let frame = Table::Columns.of_runs(&[one]);
+        let frame = of_written(&[one], &crate::domain::testing::campaign());
         let cells = |name: &str| match &frame.iter().find(|own| own.name == name).unwrap().cells {
             FrameCells::Texts(cells) => cells.clone(),
             other => panic!("{other:?}"),
@@ -124,7 +151,14 @@ mod tests {
             said.as_deref(),
             Some("resistance of the fast branch: standard error")
         );
-        let tables: Vec<&str> = Table::ALL.iter().map(|table| table.key()).collect();
+        let tables: Vec<&str> = written().map(|(name, _)| name).collect();
+        let listed: Vec<&str> = listed().map(|(name, _)| name).collect();
+        for (at, name) in listed.iter().enumerate() {
+            assert!(!listed[..at].contains(name), "two tables are called {name}");
+        }
+        for name in tables.iter().filter(|name| **name != TRACES) {
+            assert!(listed.contains(name), "{name} is a table of files alone");
+        }
         for (name, _) in meanings() {
             let is_exported = name
                 .split_once('.')
