@@ -42,6 +42,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
     let fitted = input.runs.iter().filter_map(|run| Some((run, run.fit.as_ref()?)));
     identified::<OfNumber>("fits", "Every number of the current fits", input)
         .called(|(run, (_, _, key, _))| format!("{}, {key}", run.path()))
+        .in_files(|sheet| sheet.plain("model", |(_, (fit, ..))| fit.model.as_str()))
         .column(PARAMETER, |(_, (_, _, key, _))| *key)
         .column(ROLE, |(_, (_, role, ..))| *role)
         .column(VALUE, move |(_, (.., own))| of(own.value, DIGITS.0))
@@ -50,7 +51,6 @@ pub fn make(input: &TableInput) -> TableAndFrame {
         .column(HIGH, move |(_, (.., own))| of(own.high_95, DIGITS.0))
         .in_files(|sheet| {
             sheet
-                .plain("model", |(_, (fit, ..))| fit.model.as_str())
                 .plain("converged", |(_, (fit, ..))| fit.converged)
                 .plain("at_bound", |(_, (.., own))| own.at_bound)
         })

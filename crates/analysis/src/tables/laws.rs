@@ -11,7 +11,7 @@ const DIGITS: (i32, i32) = (3, 2);
 const KIND: Quantity = Quantity::plain("question", "Question", "what is asked");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
 const FOLLOWS: Quantity = Quantity::plain("follows", "x", "what it follows");
-const SHOWN: Quantity = Quantity::plain("shown", "shown", "what is shown");
+const VERDICT: Quantity = Quantity::plain("verdict", "shown", "what is shown");
 const CHANGE: [Quantity; 3] = [
     Quantity::plain(
         "change",
@@ -90,7 +90,7 @@ pub fn of(study: &Study) -> TableAndFrame {
                 .plain("claimed", |own| own.verdict == Verdict::Differs)
                 .plain("certainty", |own| own.certainty.key())
         })
-        .column(SHOWN, |own| in_short(own))
+        .column(VERDICT, |own| in_short(own))
         .columns_by_place(&CHANGE, move |own, at| {
             over(own, [own.value, own.low_95, own.high_95][at])
         })
@@ -117,6 +117,8 @@ pub fn of(study: &Study) -> TableAndFrame {
                 .plain("per_unit_high_95", |own| own.high_95)
                 .plain("p", |own| own.p)
                 .plain("of_material", |own| of_material(own, |law| law.value))
+                .plain("of_material_low_95", |own| of_material(own, |law| law.low_95))
+                .plain("of_material_high_95", |own| of_material(own, |law| law.high_95))
                 .plain("of_material_q", |own| own.of_material.as_ref()?.q)
                 .plain("strips_differ_p", |own| own.strips_differ_p)
                 .plain("sentence", |own| sentence(own))

@@ -6,7 +6,7 @@ use ieap_domain::{Fit, RunFile, RunRecord, Severity, Tag};
 use ieap_show::quantities::{Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE};
 use ieap_show::{Printed, Sheet, TableAndFrame, Value};
 
-const OUTCOME: Quantity = Quantity::plain("outcome", "State", "what became of it");
+const OUTCOME: Quantity = Quantity::plain("outcome", "State", "what became of the run");
 const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
 
 type Of<'a> = Own<'a, &'a RunRecord>;

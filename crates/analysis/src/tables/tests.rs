@@ -6,7 +6,7 @@ use crate::study::Study;
 use ieap_domain::testing::{campaign, fit, known, run};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What one quantity is called, and in what it is counted, is the same in every table that people see.
+/// What a quantity in a unit is called is the same in every table that people see.
 #[test]
 fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
     let names: BTreeSet<&str> = TABLES.iter().map(|table| table.name).collect();
@@ -18,10 +18,11 @@ fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
         told: Some(&study),
         ..TableInput::new(&campaign, &runs, &doubts)
     };
-    let mut keys: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut keys: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
     for table in TABLES {
         for column in table.table(&input).columns {
-            keys.entry(column.quantity).or_default().insert(column.key);
+            let quantity = (column.quantity, column.unit);
+            keys.entry(quantity).or_default().insert(column.key);
         }
         let frame = table.frame(&input);
         let columns: BTreeSet<&str> = frame.iter().map(|column| column.name.as_str()).collect();
@@ -32,7 +33,7 @@ fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
             table.name
         );
     }
-    keys.retain(|quantity, keys| keys.len() > 1 && !quantity.is_empty());
+    keys.retain(|(quantity, _), keys| keys.len() > 1 && !quantity.is_empty());
     assert_eq!(keys, BTreeMap::new(), "quantities with several keys");
 }
 
