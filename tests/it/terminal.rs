@@ -54,7 +54,7 @@ fn a_dash_is_stdout() {
         table
     );
     let export = folder.ieap(&["export", "--what", "fits", "-o", "-"]).expect(0);
-    assert!(export.stdout.starts_with("run,revision,sample"), "{export:?}");
+    assert!(export.stdout.starts_with("run,sample,material"), "{export:?}");
     assert!(export.stderr.contains("rows"), "{export:?}");
     assert!(!folder.join("-").exists());
     let parquet = folder

@@ -16,7 +16,7 @@ use crate::store::meaning;
 /// Name of the table, and what it shows.
 pub(super) const LISTED: (&str, &str) = (
     "columns",
-    "Every column of the tables that `ieap export` writes, with unit and meaning",
+    "Every column of exported tables, with unit and meaning",
 );
 
 /// What stands beside a number, by the ending of its column's name.

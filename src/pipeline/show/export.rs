@@ -20,7 +20,7 @@ pub const TRACES: &str = "traces";
 pub fn written() -> impl Iterator<Item = (&'static str, &'static str)> {
     let tables = TABLES.iter().filter(|table| table.is_written());
     let tables = tables.map(|table| (table.name, table.about));
-    tables.chain([(TRACES, "Every reading, one row a reading"), columns::LISTED])
+    tables.chain([(TRACES, "Every reading"), columns::LISTED])
 }
 
 /// The verb `export`.

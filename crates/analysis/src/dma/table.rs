@@ -21,6 +21,12 @@ pub fn make(input: &TableInput) -> TableAndFrame {
         Some(pick(&steps[row.step?]))
     };
     Sheet::<Row>::new("dma", "Numbers of the modulus logs", 1)
+        .called(|row| {
+            let step = row
+                .step
+                .map_or(String::new(), |step| format!("step {}, ", step + 1));
+            format!("{}, {step}{}", row.log.run.path, row.parameter.key)
+        })
         .plain("log", |row| row.log.run.path.as_str())
         .plain("sample", |row| row.log.run.tag(keys::SAMPLE))
         .plain("material", move |row| {

@@ -18,7 +18,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
         let size = of(&trend(own)?.size)?;
         Some(if own.series.is_log { size.exp() } else { size })
     };
-    Sheet::<&Watched>::new("monitoring", "Parameters over the life of the samples", 3)
+    Sheet::<&Watched>::new("monitoring", "Parameters over the life of the samples", 4)
         .plain("material", |own| own.material.as_str())
         .plain("sample", |own| own.sample.as_str())
         .plain("parameter", |own| own.parameter.as_str())

@@ -91,6 +91,7 @@ pub fn tags(input: &TableInput) -> TableAndFrame {
         tags.map(move |(at, tag)| (run, at, tag))
     }
     Sheet::<OfTag>::new("tags", "Tags of the runs", 2)
+        .called(|(run, at, tag)| format!("{}, {} {}", run.path, at + 1, tag.key))
         .plain("run", |(run, ..)| run.path.as_str())
         .plain("key", |(.., tag)| tag.key.as_str())
         .plain("value", |(.., tag)| tag.value.as_str())
