@@ -358,7 +358,7 @@ fn everything_is_exported_in_every_format() {
         .expect(0);
     let fits: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("fits.json")).unwrap()).unwrap();
-    assert_eq!(fits.as_array().unwrap().len() as u64, parquet[2]);
+    assert_eq!(fits.as_array().unwrap().len() as u64, parquet[3]);
     assert!(
         fits[0]["value"].is_number() && fits[0]["run"] == "runs/a.csv",
         "{}",

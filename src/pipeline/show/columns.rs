@@ -1,7 +1,6 @@
 //! The data dictionary: what every column of the tables that `ieap export` writes is. Made from the registries that tables,
 //! parameters and views are made from.
 
-use super::export::TRACES;
 use crate::analysis::laws::doubt::Doubts;
 use crate::analysis::parameters::ParameterInfo;
 use crate::analysis::study::Study;
@@ -12,6 +11,9 @@ use crate::model::effects;
 use crate::model::fit_models;
 use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
 use crate::store::meaning;
+
+/// Name of the table of readings, which are too many for memory and for a table that is printed.
+pub const TRACES: &str = "traces";
 
 /// Name of the table, and what it shows.
 pub(super) const LISTED: (&str, &str) = (
@@ -117,9 +119,8 @@ fn of_parameter(key: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::tables;
     use crate::domain::testing::{fit, known, run};
-    use crate::pipeline::show::export::written;
-    use crate::pipeline::show::plain_tables::listed;
     use crate::store::meanings;
 
     /// Of a campaign with every kind of parameter: those of all models.
@@ -151,18 +152,13 @@ mod tests {
             said.as_deref(),
             Some("resistance of the fast branch: standard error")
         );
-        let tables: Vec<&str> = written().map(|(name, _)| name).collect();
-        let listed: Vec<&str> = listed().map(|(name, _)| name).collect();
-        for (at, name) in listed.iter().enumerate() {
-            assert!(!listed[..at].contains(name), "two tables are called {name}");
-        }
-        for name in tables.iter().filter(|name| **name != TRACES) {
-            assert!(listed.contains(name), "{name} is a table of files alone");
+        for name in [TRACES, LISTED.0] {
+            assert!(tables::named(name).is_none(), "two tables are called {name}");
         }
         for (name, _) in meanings() {
             let is_exported = name
                 .split_once('.')
-                .is_some_and(|(table, _)| tables.contains(&table));
+                .is_some_and(|(table, _)| cells("table").contains(&Some(table.to_owned())));
             assert!(
                 !is_exported || named.iter().any(|own| own == name),
                 "{name} is no column"

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::columns;
+pub use super::columns::TRACES;
 use super::plain_tables::plain_table;
 pub use crate::analysis::TableFormat;
 use crate::analysis::tables::TABLES;
@@ -12,9 +13,6 @@ use crate::pipeline::campaign::standing;
 use crate::pipeline::infra::whole_file::put_file;
 use crate::pipeline::{Context, PipelineError, failed};
 use crate::system::passing::Passing;
-
-/// Name of the table of readings, which are too many for memory and for a table that is printed.
-pub const TRACES: &str = "traces";
 
 /// Name of every table that is written, and what it shows.
 pub fn written() -> impl Iterator<Item = (&'static str, &'static str)> {

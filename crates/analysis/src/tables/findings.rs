@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{TableInput, list};
+use super::TableInput;
 use crate::conditions::material;
+use crate::json_rows::list;
 use ieap_domain::tag::keys;
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, RunRecord};
 use ieap_show::quantities::{ENVIRONMENT, MATERIAL, Quantity, SAMPLE};

@@ -1,6 +1,7 @@
 //! Laws: by which factor a parameter goes over the range of what it follows, of the strips measured and of their material.
 
-use super::{TableInput, list};
+use super::TableInput;
+use crate::json_rows::list;
 use crate::study::{Answer, InScope, Study, Verdict, in_short, sentence, symbol};
 use ieap_show::quantities::{MATERIAL, Quantity, RUNS, SAMPLES};
 use ieap_show::{Printed, Rough, Sheet, TableAndFrame};

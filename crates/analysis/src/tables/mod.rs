@@ -34,7 +34,7 @@ use crate::models_compared;
 use crate::study;
 
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
-use ieap_show::{Frame, Printed, TableAndFrame, frame_of};
+use ieap_show::{Frame, TableAndFrame, frame_of};
 pub use input::TableInput;
 pub(crate) use of_several::Runs;
 pub use table6::rules;
@@ -137,13 +137,6 @@ impl NamedTable {
     pub fn is_written(&self) -> bool {
         matches!(self.make, Make::Written(_))
     }
-}
-
-/// Words of a list: JSON in files, with `between` them for people.
-fn list<S: AsRef<str>>(words: &[S], between: &str) -> Printed<String> {
-    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
-    let printed = (!words.is_empty()).then(|| words.join(between));
-    Printed(serde_json::json!(words).to_string(), printed.into())
 }
 
 /// Every table, in the order in which they are listed: a row here is all that one needs beside its file.

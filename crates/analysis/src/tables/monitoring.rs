@@ -1,6 +1,7 @@
 //! Long-term monitoring: one row a parameter of a sample that is watched.
 
-use super::{TableInput, list};
+use super::TableInput;
+use crate::json_rows::list;
 use crate::monitoring::fitted::Interval;
 use crate::monitoring::{Monitoring, Watched, series::Reaches, words};
 use ieap_show::{Rough, Sheet, TableAndFrame};
