@@ -15,7 +15,7 @@ const SHOWING: [&[&str]; 11] = [
     &["status", "--alarms"],
     &["table", "fits-wide"],
     &["table", "conditions", "--format", "csv"],
-    &["explain", "fits"],
+    &["explain", "fits-wide"],
     &["export", "--what", "fits", "-o", "-"],
     &["study"],
     &["next"],
