@@ -471,8 +471,8 @@ class Campaign:
 
     @checked
     def table(self, name: str) -> Table:
-        """A table of results by its name: those that ``ieap export`` writes, such as ``runs``, ``fits``, ``laws``, and those
-        that ``ieap table`` lists beside them. Numbers are in full, in the unit that the column's name ends in; those with
+        """A table of results by its name, such as ``runs``, ``fits``, ``laws``: all columns that ``ieap export`` writes, or that
+        ``ieap table`` shows. Numbers are in full, in the unit that the column's name ends in; those with
         uncertainty have ``_standard_error``, ``_low_95``, ``_high_95`` and ``_reason`` beside them."""
         return Table(self._native.table(name))
 

@@ -12,7 +12,7 @@ use super::campaign::CampaignArg;
 use super::exit::{CliError, DONE};
 use super::output::Output;
 use crate::pipeline::documents::fits::fits_document;
-use crate::pipeline::show::export::{Export, Table, TableFormat};
+use crate::pipeline::show::export::{Export, TRACES, TableFormat, written};
 use crate::pipeline::show::partitioned::ExportPartitioned;
 use crate::pipeline::show::research_crate::export_crate;
 use crate::pipeline::{Context, failed};
@@ -49,13 +49,13 @@ pub struct ExportArgs {
 /// One of the tables, or more than one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum What {
-    One(Table),
+    One(&'static str, &'static str),
     All,
     Crate,
 }
 
 static EVERYTHING: LazyLock<Vec<What>> = LazyLock::new(|| {
-    let tables = Table::ALL.into_iter().map(What::One);
+    let tables = written().map(|(name, about)| What::One(name, about));
     tables.chain([What::All, What::Crate]).collect()
 });
 
@@ -66,7 +66,7 @@ impl ValueEnum for What {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (name, about) = match self {
-            What::One(table) => (table.key(), table.label()),
+            What::One(name, about) => (*name, *about),
             What::All => ("all", "All of these, one file each, into a folder"),
             What::Crate => (
                 "crate",
@@ -86,17 +86,21 @@ enum FileFormat {
 }
 
 impl What {
-    fn tables(self) -> Vec<Table> {
+    fn tables(self) -> Vec<&'static str> {
         match self {
-            What::One(table) => vec![table],
-            What::All | What::Crate => Table::ALL.to_vec(),
+            What::One(table, _) => vec![table],
+            What::All | What::Crate => written().map(|(name, _)| name).collect(),
         }
+    }
+
+    fn is(self, table: &str) -> bool {
+        matches!(self, What::One(own, _) if own == table)
     }
 }
 
 pub fn run(args: &ExportArgs, output: &Output) -> Result<u8, CliError> {
     let context = args.campaign.open_to_show(output)?;
-    if output.json && args.output.is_none() && args.what == What::One(Table::Fits) {
+    if output.json && args.output.is_none() && args.what.is("fits") {
         output.document(&fits_document(&context)?)?;
         return Ok(DONE);
     }
@@ -145,7 +149,7 @@ fn research_crate(args: &ExportArgs, context: &Context, output: &Output) -> Resu
 
 /// Runs for a cluster.
 fn partitioned(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8, CliError> {
-    if args.what != What::One(Table::Traces) {
+    if !args.what.is(TRACES) {
         return Err(CliError::usage(
             "--partitioned is for readings: add `--what traces`, or leave it out",
         ));
@@ -186,7 +190,7 @@ fn to_stdout(args: &ExportArgs, context: &Context, output: &Output) -> Result<u8
     let format = with_comma(args, is_csv)?.unwrap_or(plain);
     let (bytes, rows) = Export::bytes(context, table, format)?;
     output.write(&bytes);
-    output.message(&format!("{}: {}", table.key(), counted(rows, "row")));
+    output.message(&format!("{}: {}", table, counted(rows, "row")));
     Ok(DONE)
 }
 
@@ -202,13 +206,13 @@ fn with_comma(args: &ExportArgs, is_csv: bool) -> Result<Option<TableFormat>, Cl
 }
 
 /// Which table goes where.
-fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
+fn targets(args: &ExportArgs) -> Result<Vec<(&'static str, PathBuf)>, CliError> {
     let tables = args.what.tables();
     if args.what != What::All {
-        let path = |table: &Table| {
+        let path = |table: &&'static str| {
             args.output
                 .clone()
-                .unwrap_or_else(|| format!("{}.csv", table.key()).into())
+                .unwrap_or_else(|| format!("{}.csv", table).into())
         };
         return Ok(tables.iter().map(|table| (*table, path(table))).collect());
     }
@@ -218,6 +222,6 @@ fn targets(args: &ExportArgs) -> Result<Vec<(Table, PathBuf)>, CliError> {
         Some(FileFormat::Parquet) | None => "parquet",
         Some(FileFormat::Csv) => "csv",
     };
-    let path = |table: &Table| folder.join(format!("{}.{ending}", table.key()));
+    let path = |table: &&'static str| folder.join(format!("{}.{ending}", table));
     Ok(tables.iter().map(|table| (*table, path(table))).collect())
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use ieap::pipeline::documents::fits::fits_document;
-use ieap::pipeline::show::export::{Export, Table};
+use ieap::pipeline::show::export::{Export, written};
 use ieap::pipeline::show::tables::{find_format, listed, table};
 use ieap::pipeline::{
     Context, DiagnoseChoice, DiagnoseRuns, FitChoice, FitRuns, Ingest, PipelineError, Rebuild, Silent,
@@ -57,7 +57,7 @@ fn said(folder: &Path) -> Result<Vec<u8>, PipelineError> {
     for (name, _) in listed() {
         said.extend((json.write)(&table(&context, name)?).into_bytes());
     }
-    for table in Table::ALL {
+    for (table, _) in written() {
         let path = folder.join("exported.csv");
         Export {
             format: None,
@@ -159,7 +159,7 @@ fn a_number_that_changed_in_the_database_ends_with_status_4_and_a_way_to_mend() 
             .unwrap();
         for verb in [
             &["fit", "--json"][..],
-            &["table", "fits"],
+            &["table", "fits-wide"],
             &["run", "--no-diagnose"],
         ] {
             let refused = folder.ieap(verb).expect(4);

@@ -100,7 +100,7 @@ fn a_chirp_and_a_sine_go_from_the_file_to_table_figure_and_page() {
     let compared = folder.ieap(&["compare", "--json"]).expect(0).stdout;
     assert!(compared.contains("runs/chirp.csv"), "{compared}");
     let drawn = folder
-        .ieap(&["table", "fits", "--format", "json"])
+        .ieap(&["table", "fits-wide", "--format", "json"])
         .expect(0)
         .json();
     assert!((r1(&drawn, "chirp") / R1_OHM_CM2 - 1.0).abs() < 0.02, "{drawn}");

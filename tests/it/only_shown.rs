@@ -13,9 +13,9 @@ const SHOWING: [&[&str]; 11] = [
     &["status"],
     &["status", "--files"],
     &["status", "--alarms"],
-    &["table", "fits"],
+    &["table", "fits-wide"],
     &["table", "conditions", "--format", "csv"],
-    &["explain", "fits"],
+    &["explain", "fits-wide"],
     &["export", "--what", "fits", "-o", "-"],
     &["study"],
     &["next"],
@@ -151,7 +151,7 @@ fn a_campaign_whose_last_settings_are_not_known_is_shown_without_any() {
     let folder = campaign();
     fs::remove_file(folder.join("archive/campaign.toml")).unwrap();
     put(&folder, Some(&b"no".to_vec()));
-    let table = folder.ieap(&["table", "fits"]).expect(3);
+    let table = folder.ieap(&["table", "fits-wide"]).expect(3);
     assert!(table.stderr.contains("stated nothing"), "{table:#?}");
     assert!(table.stdout.contains("runs/1.csv"), "{table:#?}");
     // Where nothing was ever stored there is no campaign to show.
@@ -175,7 +175,7 @@ fn a_backup_is_made_and_restored_and_verified_whatever_campaign_toml_says() {
         let verified = folder.ieap(&["verify", again]);
         assert_eq!(verified.status, 0, "{verified:#?}");
         assert!(Path::new(again).join("runs/1.csv").exists());
-        let table = folder.ieap(&["table", "fits", again]).expect(3);
+        let table = folder.ieap(&["table", "fits-wide", again]).expect(3);
         assert!(table.stdout.contains("runs/1.csv"), "{table:#?}");
     }
 }
@@ -217,7 +217,7 @@ fn a_profile_that_cannot_be_read_costs_the_files_that_it_may_be_for() {
     let told = ["profile-refused", "profile-not-read"];
     assert!(told.iter().all(|code| codes.contains(code)), "{codes}");
     let runs = folder
-        .ieap(&["table", "fits", "--format", "csv"])
+        .ieap(&["table", "fits-wide", "--format", "csv"])
         .expect(0)
         .stdout;
     assert!(
@@ -230,7 +230,7 @@ fn a_profile_that_cannot_be_read_costs_the_files_that_it_may_be_for() {
     let mended = folder.ieap(&["run", "--no-diagnose"]).expect(0);
     assert!(!mended.stderr.contains("profiles/"), "{mended:#?}");
     let runs = folder
-        .ieap(&["table", "fits", "--format", "csv"])
+        .ieap(&["table", "fits-wide", "--format", "csv"])
         .expect(0)
         .stdout;
     assert!(runs.contains("runs/laser_2.csv"), "{runs}");

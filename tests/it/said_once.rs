@@ -253,7 +253,9 @@ fn media(found: &GroupDiagnosis) -> Media {
             cell(&row, 0, "Verdict").to_owned(),
             lines[0].clone(),
             text(&json["verdict"]),
-            ieap::report::tables::text_of(&table.rows[0].cells[2].content),
+            ieap::report::tables::text_of(
+                &table.rows[0].cells[table.column_named("verdict").expect("a column")].content,
+            ),
         ],
         page,
         row,

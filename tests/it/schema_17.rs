@@ -34,7 +34,7 @@ fn words_and_numbers_are_those_of_before() {
     let then = fitted_then(&folder);
     assert!(then.len() > 10);
     // Whoever only reads says what to do.
-    let refused = folder.ieap(&["table", "fits"]).expect(4);
+    let refused = folder.ieap(&["table", "fits-wide"]).expect(4);
     assert!(refused.stderr.contains("`ieap run`"), "{refused:?}");
     let context = Context::open(folder.path(), false).unwrap();
     let codes: Vec<&str> = context.agreed.iter().map(|issue| &*issue.code).collect();

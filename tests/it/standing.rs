@@ -76,7 +76,14 @@ fn good() -> CampaignFolder {
 /// Everything that results are read from, as text: tables, exports, alarms, and the pages of results.
 fn results(folder: &CampaignFolder) -> Vec<(String, String)> {
     let mut all = Vec::new();
-    for table in ["table3", "table5", "table6", "conditions", "fits", "findings"] {
+    for table in [
+        "table3",
+        "table5",
+        "table6",
+        "conditions",
+        "fits-wide",
+        "findings",
+    ] {
         let ended = folder.ieap(&["table", table, "--format", "json"]);
         if ended.status == 0 {
             all.push((table.to_owned(), without_origin(&ended.stdout)));

@@ -313,13 +313,13 @@ fn a_cell_names_the_bytes_that_it_rests_on() {
 fn a_refit_tells_which_cells_moved() {
     let folder = fitted();
     let still = folder
-        .ieap(&["table", "fits", "--moved", "--json"])
+        .ieap(&["table", "fits-wide", "--moved", "--json"])
         .expect(0)
         .json();
     assert_eq!(still["cells"], serde_json::json!([]));
     folder.ieap(&["fit", "--again", "--model", "lumped-1"]).expect(0);
     let moved = folder
-        .ieap(&["table", "fits", "--moved", "--json"])
+        .ieap(&["table", "fits-wide", "--moved", "--json"])
         .expect(0)
         .json();
     let cells = moved["cells"].as_array().unwrap();
@@ -327,11 +327,13 @@ fn a_refit_tells_which_cells_moved() {
     assert!(of("c1_f_per_cm2").is_some(), "{moved:#}");
     assert!(of("model").is_some_and(|cell| cell["before"].as_str().unwrap().starts_with("lumped-2")));
     let since = folder
-        .ieap(&["table", "fits", "--since", "2020-01-01", "--json"])
+        .ieap(&["table", "fits-wide", "--since", "2020-01-01", "--json"])
         .expect(0)
         .json();
     assert_eq!(since["rows_new"], serde_json::json!(["runs/a.csv", "runs/b.csv"]));
-    let refused = folder.ieap(&["table", "fits", "--since", "yesterday"]).expect(2);
+    let refused = folder
+        .ieap(&["table", "fits-wide", "--since", "yesterday"])
+        .expect(2);
     assert!(refused.stderr.contains("2026-11-20"), "{}", refused.stderr);
 }
 
@@ -348,7 +350,7 @@ fn everything_is_exported_in_every_format() {
     };
     let parquet = rows("parquet");
     assert_eq!(parquet, rows("csv"));
-    assert_eq!((parquet.len(), parquet[0]), (13, 2));
+    assert_eq!((parquet.len(), parquet[1]), (13, 2));
     let refused = folder.ieap(&["export", "--what", "all", "-o", "out"]).expect(2);
     assert!(refused.stderr.contains("--overwrite"), "{}", refused.stderr);
     folder
@@ -356,7 +358,7 @@ fn everything_is_exported_in_every_format() {
         .expect(0);
     let fits: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("fits.json")).unwrap()).unwrap();
-    assert_eq!(fits.as_array().unwrap().len() as u64, parquet[2]);
+    assert_eq!(fits.as_array().unwrap().len() as u64, parquet[3]);
     assert!(
         fits[0]["value"].is_number() && fits[0]["run"] == "runs/a.csv",
         "{}",

@@ -30,7 +30,11 @@ fn before_the_verb_the_folder_is_where_it_works() {
     let there = ieap(elsewhere.path(), &["-C", path, "status"]).expect(0);
     assert_eq!(there.stdout, folder.ieap(&["status"]).stdout);
     ieap(elsewhere.path(), &["-C", path, "inspect", "runs/a.csv"]).expect(0);
-    ieap(elsewhere.path(), &["-C", path, "table", "fits", "-o", "fits.tex"]).expect(0);
+    ieap(
+        elsewhere.path(),
+        &["-C", path, "table", "fits-wide", "-o", "fits.tex"],
+    )
+    .expect(0);
     assert!(folder.join("fits.tex").is_file(), "files go there too");
     let refused = ieap(elsewhere.path(), &["-C", "nowhere", "status"]).expect(2);
     assert!(refused.stderr.contains("nowhere"), "{refused:?}");
@@ -40,17 +44,17 @@ fn before_the_verb_the_folder_is_where_it_works() {
 fn a_dash_is_stdout() {
     let folder = fitted();
     let table = folder
-        .ieap(&["table", "fits", "--format", "csv"])
+        .ieap(&["table", "fits-wide", "--format", "csv"])
         .expect(0)
         .stdout;
     assert_eq!(
         folder
-            .ieap(&["table", "fits", "--format", "csv", "-o", "-"])
+            .ieap(&["table", "fits-wide", "--format", "csv", "-o", "-"])
             .stdout,
         table
     );
     let export = folder.ieap(&["export", "--what", "fits", "-o", "-"]).expect(0);
-    assert!(export.stdout.starts_with("run,revision,sample"), "{export:?}");
+    assert!(export.stdout.starts_with("run,sample,material"), "{export:?}");
     assert!(export.stderr.contains("rows"), "{export:?}");
     assert!(!folder.join("-").exists());
     let parquet = folder
@@ -126,7 +130,7 @@ fn a_table_has_the_columns_that_are_asked_for_and_fits_its_lines() {
     let csv = folder
         .ieap(&[
             "table",
-            "fits",
+            "fits-wide",
             "--columns",
             "alpha_per_c_cm,run",
             "--format",
@@ -139,13 +143,18 @@ fn a_table_has_the_columns_that_are_asked_for_and_fits_its_lines() {
         "{csv}"
     );
     assert!(csv.lines().next().unwrap().ends_with(",run,notes"), "{csv}");
-    let refused = folder.ieap(&["table", "fits", "--columns", "nothing"]).expect(2);
+    let refused = folder
+        .ieap(&["table", "fits-wide", "--columns", "nothing"])
+        .expect(2);
     assert!(
         refused.stderr.contains("alpha_per_c_cm"),
         "lists what there is: {refused:?}"
     );
-    let wide = folder.ieap(&["table", "fits"]).expect(0).stdout;
-    let narrow = folder.ieap(&["table", "fits", "--width", "60"]).expect(0).stdout;
+    let wide = folder.ieap(&["table", "fits-wide"]).expect(0).stdout;
+    let narrow = folder
+        .ieap(&["table", "fits-wide", "--width", "60"])
+        .expect(0)
+        .stdout;
     let blocks = |text: &str| text.lines().filter(|line| line.starts_with('─')).count();
     assert_eq!(blocks(&wide), 1);
     assert!(blocks(&narrow) > 1, "{narrow}");
@@ -186,12 +195,12 @@ fn a_decimal_comma_is_for_csv_and_numbers_stay_what_they_are() {
     }
     assert!(comma.iter().flatten().any(|field| field.contains(',')));
     let table = folder
-        .ieap(&["table", "fits", "--decimal-comma"])
+        .ieap(&["table", "fits-wide", "--decimal-comma"])
         .expect(0)
         .stdout;
     assert!(table.lines().next().unwrap().contains(';'), "{table}");
     folder
-        .ieap(&["table", "fits", "--decimal-comma", "--format", "latex"])
+        .ieap(&["table", "fits-wide", "--decimal-comma", "--format", "latex"])
         .expect(2);
     folder
         .ieap(&["export", "-o", "fits.parquet", "--decimal-comma"])

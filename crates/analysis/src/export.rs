@@ -114,7 +114,8 @@ fn for_spreadsheets(table: &[FrameColumn]) -> Result<DataFrame, PolarsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run_tables::{fits_long, fits_wide};
+    use crate::laws::doubt::Doubts;
+    use crate::tables::{TableInput, named};
     use ieap_domain::testing::{campaign, fit, known, run};
     use ieap_domain::{Estimate, RunRecord};
     use ieap_show::Frame;
@@ -128,6 +129,12 @@ mod tests {
         fitted
     }
 
+    fn frame(name: &str, runs: &[RunRecord]) -> Frame {
+        let (campaign, doubts) = (campaign(), Doubts::default());
+        let table = named(name).unwrap();
+        table.frame(&TableInput::new(&campaign, runs, &doubts))
+    }
+
     fn csv(table: Frame) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("table.csv");
@@ -138,7 +145,7 @@ mod tests {
     #[test]
     fn a_missing_value_is_an_empty_cell_with_its_reason() {
         let runs = [fitted("a", Estimate::not_determined("no curvature channel"))];
-        let text = csv(fits_long(&runs, &campaign()));
+        let text = csv(frame("fits", &runs));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3, "{text}");
         assert!(
@@ -157,7 +164,7 @@ mod tests {
             fitted("a,\"b\"\n", known(12.0, 0.1)),
             run("unfitted", "CNaf-01", "air", None, 1.2),
         ];
-        let text = csv(fits_wide(&runs, &campaign()));
+        let text = csv(frame("fits-wide", &runs));
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert_eq!(rows.len(), 2);
@@ -167,7 +174,7 @@ mod tests {
     #[test]
     fn parquet_reads_back() {
         use parquet::file::reader::{FileReader, SerializedFileReader};
-        let table = fits_long(&[fitted("a", known(12.0, 0.1))], &campaign());
+        let table = frame("fits", &[fitted("a", known(12.0, 0.1))]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("fits.parquet");
         write_table(&table, TableFormat::Parquet, &About::default(), &path).unwrap();

@@ -1,9 +1,16 @@
-//! A frame as JSON: an object a row.
+//! A frame as JSON: an object a row; and lists in its cells.
 
 use std::io::{self, Write};
 
-use ieap_show::{FrameCells, FrameColumn};
+use ieap_show::{FrameCells, FrameColumn, Printed};
 use serde_json::{Map, Value};
+
+/// Words of a list: JSON in files, with `between` them for people.
+pub fn list<S: AsRef<str>>(words: &[S], between: &str) -> Printed<String> {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    let printed = (!words.is_empty()).then(|| words.join(between));
+    Printed(serde_json::json!(words).to_string(), printed.into())
+}
 
 /// Its rows. A missing number is null; yes and no are `flag` of them, for a database has 1 and 0.
 pub fn rows(table: &[FrameColumn], flag: fn(bool) -> Value) -> impl Iterator<Item = Value> {

@@ -35,7 +35,6 @@ pub mod probe;
 pub mod readable;
 pub mod reductions;
 pub mod run_rows;
-pub mod run_tables;
 pub mod same_tags;
 pub mod sequence;
 pub mod shared_effects;

@@ -100,6 +100,8 @@ impl Input {
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.findings.groups,
+            alone: &self.findings.runs,
+            monitoring: Some(&self.monitoring),
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
             origin: &self.origin.database,

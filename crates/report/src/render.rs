@@ -23,8 +23,7 @@ use super::run_index::run_index;
 use super::run_page_writer::make;
 use super::site::Site;
 use super::visible::{indexed, write_escaped};
-use ieap_analysis::dma::table::modulus_table;
-use ieap_analysis::run_tables::{conditions_table, fits_wide};
+use ieap_analysis::tables::named;
 use ieap_analysis::{About, TableFormat, rounded, write_table};
 use ieap_domain::words::in_a_row;
 use ieap_domain::{CurveSource, Fault};
@@ -275,17 +274,13 @@ fn write_tables(writer: &PageWriter) -> Result<u64, ReportError> {
 }
 
 fn tables(input: &Input, out_dir: &Path) -> Result<u64, ReportError> {
-    let mut tables = vec![
-        ("fits-wide.csv", fits_wide(&input.runs, &input.campaign)),
-        ("conditions.csv", conditions_table(&input.runs, &input.campaign)),
-    ];
-    if !input.modulus_logs.is_empty() {
-        tables.push(("dma.csv", modulus_table(&input.modulus_logs, &input.campaign)));
-    }
+    let dma = (!input.modulus_logs.is_empty()).then_some("dma");
+    let names = ["fits-wide", "conditions"].into_iter().chain(dma);
     let mut bytes = 0;
-    for (name, table) in tables {
-        let path = out_dir.join(name);
-        write_table(&rounded(table), TableFormat::Csv, &About::default(), &path)?;
+    for table in names.filter_map(named) {
+        let path = out_dir.join(format!("{}.csv", table.name));
+        let frame = rounded(table.frame(&input.of_tables()));
+        write_table(&frame, TableFormat::Csv, &About::default(), &path)?;
         bytes += fs::metadata(&path)
             .map_err(|source| ReportError::Write { path, source })?
             .len();

@@ -12,7 +12,7 @@ use ieap_analysis::condemned::{Aside, aside};
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::laws::facts::{RunFacts, facts};
 use ieap_analysis::model_free::ModelFree;
-use ieap_analysis::monitoring::Lives;
+use ieap_analysis::monitoring::lives::Lives;
 use ieap_analysis::zone::Zone;
 use ieap_analysis::{Conditions, conditions};
 use ieap_domain::number::fixed;

@@ -2,7 +2,7 @@
 
 use ieap_domain::{Estimate, unit_of_key};
 
-use crate::sheet::{Combined, Rough, Sheet, Value};
+use crate::sheet::{Combined, Printed, Rough, Sheet, Value};
 use crate::table::{Cell, Column, Content, Table};
 
 /// Columns of the same height.
@@ -109,10 +109,17 @@ impl<T: OfKind> OfKind for Option<T> {
     const KIND: Kind = T::KIND;
 }
 
+impl<T: OfKind> OfKind for Printed<T> {
+    const KIND: Kind = T::KIND;
+}
+
 impl<R> Sheet<'_, R> {
     /// The frame of these rows. A number that is not finite is missing.
     pub fn frame(&self, rows: impl IntoIterator<Item = R>) -> Frame {
-        let rows: Vec<R> = rows.into_iter().collect();
+        self.frame_of(&rows.into_iter().collect::<Vec<R>>())
+    }
+
+    pub(crate) fn frame_of(&self, rows: &[R]) -> Frame {
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
             columns(&column.head, &column.key, column.kind, values)
@@ -179,7 +186,7 @@ fn value(cell: &Cell, notes: &[String], kind: Kind) -> Value {
 impl Value {
     fn bare(self) -> Value {
         match self {
-            Value::Noted(value, _) => value.bare(),
+            Value::Noted(value, _) | Value::Printed(value, _) => value.bare(),
             value => value,
         }
     }
@@ -192,7 +199,7 @@ impl Value {
             Value::Flag(_) => Kind::Flag,
             Value::Estimate(_) => Kind::Estimate,
             Value::Combined(_) => Kind::Combined,
-            Value::Noted(value, _) => value.kind(),
+            Value::Noted(value, _) | Value::Printed(value, _) => value.kind(),
             Value::Missing => Kind::Any,
         }
     }

@@ -2,7 +2,7 @@
 
 use ieap_domain::Estimate;
 
-use crate::frame::{Kind, OfKind};
+use crate::frame::{Frame, Kind, OfKind};
 use crate::quantities::Quantity;
 use crate::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
 
@@ -32,6 +32,8 @@ pub enum Value {
     Missing,
     /// The same with footnotes.
     Noted(Box<Value>, Vec<String>),
+    /// What files have, and what people read in its place.
+    Printed(Box<Value>, Box<Value>),
 }
 
 /// What several sources say together, such as a mean over repeats: in the column's unit, with sources of its own.
@@ -61,6 +63,16 @@ impl From<Combined> for Value {
 /// A number without uncertainty, with its digits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rough(pub f64, pub i32);
+
+/// What files have, and what people read in its place: words for a key, fewer digits, a footnote.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Printed<V>(pub V, pub Value);
+
+impl<V: Into<Value>> From<Printed<V>> for Value {
+    fn from(Printed(stored, read): Printed<V>) -> Value {
+        Value::Printed(Box::new(stored.into()), Box::new(read))
+    }
+}
 
 /// A number that carries no uncertainty and is no setting: three digits.
 pub fn rough(number: impl Into<Option<f64>>) -> Value {
@@ -145,6 +157,17 @@ pub(crate) struct SheetColumn<'s, R> {
     factor: f64,
     pub(crate) kind: Kind,
     pub(crate) of: Of<'s, R, Value>,
+    /// Whether people see it where nobody chooses columns.
+    printed: bool,
+}
+
+/// A table as people see it, and all of its columns as files have them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TableAndFrame {
+    /// What people see.
+    pub table: Table,
+    /// What files have.
+    pub frame: Frame,
 }
 
 /// Columns over rows of a kind.
@@ -215,6 +238,7 @@ impl<'s, R> Sheet<'s, R> {
             factor: quantity.factor,
             kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
+            printed: true,
         });
         self
     }
@@ -227,6 +251,7 @@ impl<'s, R> Sheet<'s, R> {
             factor: 1.0,
             kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
+            printed: true,
         });
         self
     }
@@ -234,6 +259,20 @@ impl<'s, R> Sheet<'s, R> {
     /// A column that its key heads: of a table for programs, or of one that stands on a page alone.
     pub fn plain<V: OfKind>(self, key: &str, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.column_under(Column::plain(key, key, ""), of)
+    }
+
+    /// The same with columns that files alone have.
+    pub fn in_files(self, add: impl FnOnce(Sheet<'s, R>) -> Sheet<'s, R>) -> Sheet<'s, R> {
+        let before = self.columns.len();
+        add(self).printing_first(before)
+    }
+
+    /// The same, of which only that many of the first columns are printed.
+    pub fn printing_first(mut self, columns: usize) -> Sheet<'s, R> {
+        for column in self.columns.iter_mut().skip(columns) {
+            column.printed = false;
+        }
+        self
     }
 
     /// A column for each of these.
@@ -261,8 +300,25 @@ impl<'s, R> Sheet<'s, R> {
 
     /// The table of these rows.
     pub fn over(&self, rows: impl IntoIterator<Item = R>) -> Table {
+        self.table_of(&rows.into_iter().collect::<Vec<R>>())
+    }
+
+    /// The same with the frame of all columns.
+    pub fn both(&self, rows: impl IntoIterator<Item = R>) -> TableAndFrame {
+        let rows: Vec<R> = rows.into_iter().collect();
+        TableAndFrame {
+            table: self.table_of(&rows),
+            frame: self.frame_of(&rows),
+        }
+    }
+
+    fn printed(&self) -> impl Iterator<Item = &SheetColumn<'s, R>> {
+        self.columns.iter().filter(|column| column.printed)
+    }
+
+    fn table_of(&self, rows: &[R]) -> Table {
         let mut notes = Notes::default();
-        let rows: Vec<Row> = rows.into_iter().map(|row| self.row(&row, &mut notes)).collect();
+        let rows: Vec<Row> = rows.iter().map(|row| self.row(row, &mut notes)).collect();
         let remark = if rows.is_empty() {
             &self.empty
         } else {
@@ -272,7 +328,7 @@ impl<'s, R> Sheet<'s, R> {
         Table {
             name: self.name.to_owned(),
             title: self.title.to_owned(),
-            columns: self.columns.iter().map(|column| column.head.clone()).collect(),
+            columns: self.printed().map(|column| column.head.clone()).collect(),
             stub: self.stub,
             rows,
             notes: notes.into_texts(),
@@ -283,7 +339,7 @@ impl<'s, R> Sheet<'s, R> {
 
     fn row(&self, row: &R, notes: &mut Notes) -> Row {
         let sources = (self.source)(row);
-        let cells: Vec<Cell> = (self.columns.iter())
+        let cells: Vec<Cell> = (self.printed())
             .map(|column| column.cell((column.of)(row), &sources, notes))
             .collect();
         let called = self.label.as_ref().map(|label| label(row));
@@ -317,6 +373,7 @@ impl<R> SheetColumn<'_, R> {
             Value::Missing => of(Content::Missing),
             Value::Combined(own) => noted(Cell::new(own.content, own.sources), own.notes, notes),
             Value::Noted(value, of_it) => noted(self.cell(*value, sources, notes), of_it, notes),
+            Value::Printed(_, read) => self.cell(*read, sources, notes),
             Value::Estimate(estimate) => {
                 let of_number = |source: &Source| Source {
                     key: Some(self.key.clone()),

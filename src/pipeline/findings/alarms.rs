@@ -45,7 +45,11 @@ pub struct AlarmSummary {
 }
 
 /// What monitoring of these runs, which speak, comes to.
-fn watched(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Monitoring, PipelineError> {
+pub(crate) fn watched(
+    context: &Context,
+    runs: &[RunRecord],
+    doubts: &Doubts,
+) -> Result<Monitoring, PipelineError> {
     let facts = || facts(runs, &context.campaign);
     let found = || {
         monitor(Evidence {

@@ -48,8 +48,8 @@ impl Instruments {
                 .push(task);
         }
         let tellers = by_instrument.into_iter().map(|(instrument, mut tasks)| {
-            // Of those without a start the readings decide, which keep their hash under another name.
-            tasks.sort_by_key(|task| (task.started_at.is_none(), &task.started_at, &task.data_hash));
+            // Of those without a start the name decides, which mostly grows with time: one that comes later changes nothing.
+            tasks.sort_by_key(|task| (task.started_at.is_none(), &task.started_at, &task.path));
             tasks.truncate(MOST_RUNS_OF_INSTRUMENT.min(1 << tasks.len().ilog2()));
             let telling = tasks.into_iter().map(|task| Telling {
                 task: task.clone(),

@@ -1,11 +1,25 @@
 //! The data dictionary: what every column of the tables that `ieap export` writes is. Made from the registries that tables,
 //! parameters and views are made from.
 
+use crate::analysis::laws::doubt::Doubts;
 use crate::analysis::parameters::ParameterInfo;
+use crate::analysis::study::Study;
+use crate::analysis::tables::{TABLES, TableInput};
+use crate::analysis::traces;
+use crate::domain::{Campaign, RunRecord};
 use crate::model::effects;
 use crate::model::fit_models;
 use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
 use crate::store::meaning;
+
+/// Name of the table of readings, which are too many for memory and for a table that is printed.
+pub const TRACES: &str = "traces";
+
+/// Name of the table, and what it shows.
+pub(super) const LISTED: (&str, &str) = (
+    "columns",
+    "Every column of exported tables, with unit and meaning",
+);
 
 /// What stands beside a number, by the ending of its column's name.
 const BESIDE: [(&str, &str); 7] = [
@@ -17,6 +31,20 @@ const BESIDE: [(&str, &str); 7] = [
     ("_mean", "mean over runs"),
     ("_runs", "number of runs that determine it"),
 ];
+
+/// One row a column of the tables that are written. Which columns there are, the runs tell; what is made from them only fills
+/// rows.
+pub(super) fn of_written(runs: &[RunRecord], campaign: &Campaign) -> Frame {
+    let (study, doubts) = (Study::default(), Doubts::default());
+    let input = TableInput {
+        told: Some(&study),
+        ..TableInput::new(campaign, runs, &doubts)
+    };
+    let written = TABLES.iter().filter(|table| table.is_written());
+    let heads = written.map(|table| (table.name, table.frame(&input)));
+    let others = [(TRACES, traces::head()), (LISTED.0, columns_table(Vec::new()))];
+    columns_table(heads.chain(others).collect())
+}
 
 /// One row a column of these tables.
 pub(super) fn columns_table(tables: Vec<(&'static str, Frame)>) -> Frame {
@@ -91,8 +119,8 @@ fn of_parameter(key: &str) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::tables;
     use crate::domain::testing::{fit, known, run};
-    use crate::pipeline::show::export::Table;
     use crate::store::meanings;
 
     /// Of a campaign with every kind of parameter: those of all models.
@@ -102,7 +130,7 @@ mod tests {
         let parameters: Vec<_> = keys.map(|own| (own.key, known(1.0, 0.1))).collect();
         let mut one = run("runs/a.csv", "S1", "air", Some(34.0), 2.0);
         one.fit = Some(fit(&parameters));
-        let frame = Table::Columns.of_runs(&[one]);
+        let frame = of_written(&[one], &crate::domain::testing::campaign());
         let cells = |name: &str| match &frame.iter().find(|own| own.name == name).unwrap().cells {
             FrameCells::Texts(cells) => cells.clone(),
             other => panic!("{other:?}"),
@@ -124,11 +152,13 @@ mod tests {
             said.as_deref(),
             Some("resistance of the fast branch: standard error")
         );
-        let tables: Vec<&str> = Table::ALL.iter().map(|table| table.key()).collect();
+        for name in [TRACES, LISTED.0] {
+            assert!(tables::named(name).is_none(), "two tables are called {name}");
+        }
         for (name, _) in meanings() {
             let is_exported = name
                 .split_once('.')
-                .is_some_and(|(table, _)| tables.contains(&table));
+                .is_some_and(|(table, _)| cells("table").contains(&Some(table.to_owned())));
             assert!(
                 !is_exported || named.iter().any(|own| own == name),
                 "{name} is no column"

@@ -2,45 +2,31 @@
 
 use std::collections::BTreeMap;
 
-use super::export::Table;
-use super::tables;
+use super::{columns, tables};
 use crate::domain::RunRecord;
 use crate::domain::tag::keys;
 use crate::pipeline::campaign::standing;
 use crate::pipeline::standalone::in_memory::{ReadTable, Stated, Strip};
 use crate::pipeline::{Context, PipelineError};
-use crate::show::{Frame, frame_of};
+use crate::show::Frame;
 
-/// Name of every table that programs can have, and what it shows: those that `ieap export` writes, readings apart, then those
-/// that `ieap table` lists beside them.
+/// Name of every table that programs can have, and what it shows.
 pub fn listed() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let written = exported().map(|table| (table.key(), table.label()));
-    written.chain(tables::listed().filter(|(name, _)| exported().all(|table| table.key() != *name)))
+    tables::listed().chain([columns::LISTED])
 }
 
-fn exported() -> impl Iterator<Item = Table> {
-    Table::ALL.into_iter().filter(|table| *table != Table::Traces)
-}
-
-/// A table of that name: of two with one name that which `ieap export` writes, whose numbers are in their stored units.
+/// All columns of the table of that name, numbers in full and in their stored units.
 ///
 /// # Errors
 /// There is none of that name, or the database cannot be read.
 pub fn plain_table(context: &Context, name: &str) -> Result<Frame, PipelineError> {
-    if let Some(table) = exported().find(|table| table.key() == name) {
-        return table.frame(context);
+    if name == columns::LISTED.0 {
+        return Ok(columns::of_written(
+            &standing::speaking(context)?,
+            &context.campaign,
+        ));
     }
-    if !listed().any(|(known, _)| known == name) {
-        return Err(PipelineError::BadArgument {
-            what: "table",
-            found: format!("{name:?}"),
-            needed: format!(
-                "one of {}",
-                listed().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
-            ),
-        });
-    }
-    Ok(frame_of(&tables::table(context, name)?))
+    tables::frame(context, name)
 }
 
 /// The readings of a stored run as a fit takes them, with what the campaign states of it.

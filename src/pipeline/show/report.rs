@@ -5,8 +5,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::along::PageCurves;
-use super::found_tables;
 use super::own_templates::OwnTemplates;
+use super::shown_rows;
 use crate::analysis::cache::Cache;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
@@ -171,7 +171,7 @@ impl RenderReport {
             values: Some(&values),
         };
         let rendered = write_fresh(context, (&input, &values), (&fresh, &earlier), &stamp, observer)?;
-        let shown = found_tables::shown(&input);
+        let shown = shown_rows::shown(&input);
         drop(snapshot);
         context.store.put_shown(&shown, changes, &now())?;
         match fresh.put(&target, &is_of_earlier_version) {

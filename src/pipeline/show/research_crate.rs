@@ -9,8 +9,9 @@ use serde_json::{Value, json};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::export::{Export, Table};
+use super::export::{Export, written};
 use super::figures::{self, MakeFigure};
+use super::plain_tables::plain_table;
 use crate::analysis::TableFormat;
 use crate::analysis::json_rows::rows;
 use crate::domain::FileState;
@@ -77,11 +78,11 @@ pub fn export_crate(context: &Context, path: &Path, overwrite: bool) -> Result<C
                 }
             }
         }
-        for table in Table::ALL {
+        for (table, _) in written() {
             for (format, ending) in [(TableFormat::Parquet, "parquet"), (TableFormat::Csv, "csv")] {
                 let (bytes, rows) = Export::bytes(context, table, format)?;
-                let about = format!("Table {}, {rows} rows", table.key());
-                add(&format!("tables/{}.{ending}", table.key()), &about, &bytes)?;
+                let about = format!("Table {}, {rows} rows", table);
+                add(&format!("tables/{}.{ending}", table), &about, &bytes)?;
             }
         }
         for (name, _, _, about) in figures::listed().filter(|(name, ..)| !figures::needs_no_campaign(name)) {
@@ -275,7 +276,7 @@ fn descriptions(
 /// The columns of each table, as the table `columns` has them.
 fn columns(context: &Context) -> Result<BTreeMap<String, Vec<Value>>, PipelineError> {
     let mut by_table: BTreeMap<String, Vec<Value>> = BTreeMap::new();
-    for row in rows(&Table::Columns.frame(context)?, Value::Bool) {
+    for row in rows(&plain_table(context, "columns")?, Value::Bool) {
         let [table, name] = ["table", "column"].map(|key| row[key].as_str().unwrap_or_default());
         let mut property = json!({
             "@id": format!("#{table}.{}", id_of(name)),

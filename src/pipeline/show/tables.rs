@@ -8,6 +8,7 @@ use crate::analysis::frequency::FrequencyRun;
 use crate::analysis::impedance::OneLikelihood;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::model_free::curves::StepCurves;
+use crate::analysis::monitoring::Monitoring;
 use crate::analysis::probe::Course;
 use crate::analysis::reductions::RunReductions;
 use crate::analysis::tables::moved::{Moved, MovedCell, moved};
@@ -17,6 +18,7 @@ use crate::domain::{
 };
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::standing::{self, Runs};
+use crate::pipeline::findings::alarms::watched;
 use crate::pipeline::findings::blocked::blocked_runs;
 use crate::pipeline::findings::compare::current_comparisons;
 use crate::pipeline::findings::current::current_findings;
@@ -29,6 +31,7 @@ use crate::pipeline::intake::climate::electrode_courses;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::tables::{FORMATS, Format, format_named, text_of};
 pub use crate::report::tables::{write_with_decimal_comma, write_within};
+use crate::show::Frame;
 use crate::store::Earlier;
 
 /// What tables are made from, read from the database.
@@ -46,6 +49,8 @@ pub(crate) struct TableData {
     electrodes: Vec<Course>,
     files: Vec<SourceFile>,
     groups: Vec<GroupDiagnosis>,
+    alone: Vec<GroupDiagnosis>,
+    monitoring: Option<Monitoring>,
     doubts: Doubts,
     comparisons: Vec<RunComparison>,
     outdated_comparisons: usize,
@@ -108,6 +113,8 @@ impl TableData {
                 .map(|file| file.source_file())
                 .collect(),
             groups: found.groups,
+            alone: found.runs,
+            monitoring: None,
             doubts,
             origin: format!(
                 "ieap {CODE_VERSION}, campaign {}, change {changes} of {changed_at}",
@@ -130,12 +137,17 @@ impl TableData {
             Need::OneLikelihood => {
                 self.one_likelihood = in_one_likelihood(context, &self.runs, &self.spectra)?;
             }
+            Need::Monitoring => self.monitoring = Some(watched(context, &self.runs, &self.doubts)?),
         }
         Ok(self)
     }
 
     pub(crate) fn table(&self, context: &Context, named: &NamedTable) -> Table {
-        named.table(&TableInput {
+        named.table(&self.input(context))
+    }
+
+    fn input<'a>(&'a self, context: &'a Context) -> TableInput<'a> {
+        TableInput {
             campaign: &context.campaign,
             runs: &self.runs,
             set_aside: &self.set_aside,
@@ -151,13 +163,15 @@ impl TableData {
             electrodes: &self.electrodes,
             files: &self.files,
             groups: &self.groups,
+            alone: &self.alone,
+            monitoring: self.monitoring.as_ref(),
             doubts: &self.doubts,
             comparisons: &self.comparisons,
             outdated_comparisons: self.outdated_comparisons,
             told: None,
             kept: Some(&self.kept),
             origin: &self.origin,
-        })
+        }
     }
 
     pub(crate) fn run(&self, id: i64) -> Option<&RunRecord> {
@@ -215,6 +229,16 @@ pub fn table(context: &Context, name: &str) -> Result<Table, PipelineError> {
     Ok(TableData::current(context)?
         .read_for(context, named)?
         .table(context, named))
+}
+
+/// All columns of the table of that name as it is now, for programs.
+///
+/// # Errors
+/// There is none of that name, or the database cannot be read.
+pub fn frame(context: &Context, name: &str) -> Result<Frame, PipelineError> {
+    let named = find_table(name)?;
+    let data = TableData::current(context)?.read_for(context, named)?;
+    Ok(named.frame(&data.input(context)))
 }
 
 /// Puts the materials of a table together by a class: `electrode`, `membrane` or `electrolyte`.

@@ -1,8 +1,10 @@
 //! Modulus logs as a table for other programs: one row a number.
 
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, ModulusLog, ModulusStep, Parameter};
-use ieap_show::{Frame, Sheet};
+use ieap_domain::{ModulusLog, ModulusStep, Parameter};
+use ieap_show::{Sheet, TableAndFrame};
+
+use crate::tables::TableInput;
 
 /// One number of a log.
 struct Row<'a> {
@@ -13,16 +15,22 @@ struct Row<'a> {
 
 /// One row per log, step and number; numbers of the log as a whole have no step. An empty cell is a number that is
 /// not determined, with its reason beside it.
-pub fn modulus_table(logs: &[ModulusLog], campaign: &Campaign) -> Frame {
+pub fn make(input: &TableInput) -> TableAndFrame {
     let of_step = |row: &Row, pick: fn(&ModulusStep) -> f64| {
         let steps = &row.log.analysis.as_ref()?.steps;
         Some(pick(&steps[row.step?]))
     };
-    Sheet::<Row>::new("dma", "", 1)
+    Sheet::<Row>::new("dma", "Numbers of the modulus logs", 1)
+        .called(|row| {
+            let step = row
+                .step
+                .map_or(String::new(), |step| format!("step {}, ", step + 1));
+            format!("{}, {step}{}", row.log.run.path, row.parameter.key)
+        })
         .plain("log", |row| row.log.run.path.as_str())
         .plain("sample", |row| row.log.run.tag(keys::SAMPLE))
-        .plain("material", |row| {
-            let sample = campaign.sample(row.log.run.tag(keys::SAMPLE)?)?;
+        .plain("material", move |row| {
+            let sample = input.campaign.sample(row.log.run.tag(keys::SAMPLE)?)?;
             Some(sample.material.as_str())
         })
         .plain("frequency_hz", |row| row.log.analysis.as_ref()?.frequency_hz)
@@ -37,7 +45,7 @@ pub fn modulus_table(logs: &[ModulusLog], campaign: &Campaign) -> Frame {
         .plain("high_95", |row| row.parameter.estimate.high_95)
         .plain("at_bound", |row| row.parameter.estimate.at_bound)
         .plain("reason", |row| row.parameter.estimate.reason.clone())
-        .frame(logs.iter().flat_map(rows))
+        .both(input.modulus_logs.iter().flat_map(rows))
 }
 
 fn rows(log: &ModulusLog) -> Vec<Row<'_>> {

@@ -12,7 +12,7 @@ pub mod fitted;
 pub mod forecasts;
 #[cfg(test)]
 mod jump_tests;
-mod lives;
+pub mod lives;
 #[cfg(test)]
 mod memory_tests;
 mod moved;
@@ -28,7 +28,6 @@ pub mod view;
 mod watched;
 pub mod words;
 
-pub use lives::Lives;
 pub use watched::Watched;
 
 use std::collections::BTreeMap;

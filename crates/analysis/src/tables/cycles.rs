@@ -1,13 +1,12 @@
 //! Trains of cycles: one row a cycle.
 
 use ieap_domain::tag::keys;
-use ieap_domain::{Campaign, RunRecord};
 
 use super::TableInput;
 use super::of_run::{OfRun, Own, of_runs};
 use crate::cycles::{CYCLE_FIGURES, Cycle, CycleRun};
 use ieap_show::quantities::{Quantity, SAMPLE};
-use ieap_show::{Frame, Rough, Sheet, Table};
+use ieap_show::{Frame, Rough, Sheet, TableAndFrame};
 
 const CYCLE: Quantity = Quantity::plain("cycle", "Cycle", "number of the cycle");
 const START: Quantity = Quantity::new("start_s", "t", "when the cycle begins", "s");
@@ -30,28 +29,18 @@ fn sheet<'a>() -> Sheet<'a, OfCycle<'a>> {
         .columns_by_place(&CYCLE_FIGURES, |(_, (_, cycle)), at| cycle.values.get(at).cloned())
 }
 
-fn rows<'a>(
-    trains: &'a [CycleRun],
-    of: (&'a [RunRecord], &'a Campaign),
-) -> impl Iterator<Item = OfCycle<'a>> {
-    trains.iter().flat_map(move |own| {
-        let run = OfRun::new(of, own.run_id, &own.path);
-        own.cycles.iter().map(move |cycle| (run, (own, cycle)))
-    })
-}
-
 /// Makes the table.
-pub fn make(input: &TableInput) -> Table {
+pub fn make(input: &TableInput) -> TableAndFrame {
     let said = input.cycles.iter().flat_map(|own| {
         let sentences = own.sentences.iter();
         sentences.map(|sentence| format!("{}: {sentence}", own.path))
     });
-    sheet().said(said).over(rows(input.cycles, input.of_runs()))
-}
-
-/// The same for programs.
-pub fn frame(trains: &[CycleRun], runs: &[RunRecord], campaign: &Campaign) -> Frame {
-    sheet().frame(rows(trains, (runs, campaign)))
+    let of = input.of_runs();
+    let rows = input.cycles.iter().flat_map(|own| {
+        let run = OfRun::new(of, own.run_id, &own.path);
+        own.cycles.iter().map(move |cycle| (run, (own, cycle)))
+    });
+    sheet().said(said).both(rows)
 }
 
 /// The same of a train that no campaign holds.

@@ -24,17 +24,20 @@ pub fn with_effects<'s, 'a: 's, R: 's>(
         .filter(|key| key.contains('.'))
         .collect();
     keys.into_iter().fold(sheet, |sheet, key| {
-        let (effect, name) = key.split_once('.').unwrap_or(("", key));
-        // Its unit stands in its key.
-        let head = Column::plain(key, key, &format!("{name} of the effect {effect}"));
         let key = key.to_owned();
-        sheet.column_under(head, move |row| {
+        sheet.column_under(effect_column(&key), move |row| {
             let runs = runs_of(row);
             let has = |run: &RunRecord| run.fit.as_ref().is_some_and(|fit| fit.parameter(&key).is_some());
             let with = runs.only(has);
             (!with.at.is_empty()).then(|| with.parameter(&key, 1.0))
         })
     })
+}
+
+/// The column of a parameter of an effect, whose unit stands in its key.
+pub fn effect_column(key: &str) -> Column {
+    let (effect, name) = key.split_once('.').unwrap_or(("", key));
+    Column::plain(key, key, &format!("{name} of the effect {effect}"))
 }
 
 /// Footnotes of a row: which of its fits are extended, and by how many runs each is shared.
@@ -93,7 +96,7 @@ mod tests {
         runs[2].fit = Some(fit(&parameters[..2]));
         let doubts = Doubts::default();
         let input = TableInput::new(&campaign, &runs, &doubts);
-        for name in ["table5", "fits"] {
+        for name in ["table5", "fits-wide"] {
             let table = named(name).unwrap().table(&input);
             let column = table.column_named("faradaic-leak.onset_v").unwrap();
             assert!(matches!(&table.rows[0].cells[column].content,

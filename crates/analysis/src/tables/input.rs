@@ -8,6 +8,7 @@ use crate::laws::doubt::Doubts;
 use crate::model_free::ModelFree;
 use crate::model_free::curves::StepCurves;
 use crate::models_compared::view::Compared;
+use crate::monitoring::Monitoring;
 use crate::probe::Course;
 use crate::reductions::RunReductions;
 use crate::study::{Evidence, Study};
@@ -48,6 +49,10 @@ pub struct TableInput<'a> {
     pub files: &'a [SourceFile],
     /// Diagnoses of groups.
     pub groups: &'a [GroupDiagnosis],
+    /// Diagnoses of single runs.
+    pub alone: &'a [GroupDiagnosis],
+    /// Parameters over the life of the samples, for tables that ask for them.
+    pub monitoring: Option<&'a Monitoring>,
     /// What they say against the fits of the runs.
     pub doubts: &'a Doubts,
     /// Comparisons of models on single runs.
@@ -95,6 +100,8 @@ impl<'a> TableInput<'a> {
             electrodes: &[],
             files: &[],
             groups: &[],
+            alone: &[],
+            monitoring: None,
             doubts,
             comparisons: &[],
             outdated_comparisons: 0,

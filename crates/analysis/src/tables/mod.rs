@@ -8,7 +8,8 @@ mod findings;
 mod fits;
 mod input;
 pub mod laws;
-pub mod model_free;
+mod model_free;
+mod monitoring;
 pub mod moved;
 mod of_condition;
 mod of_run;
@@ -26,12 +27,14 @@ mod table4;
 mod table5;
 mod table6;
 
+use crate::dma;
 use crate::frequency;
 use crate::impedance::sheet;
 use crate::models_compared;
 use crate::study;
 
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
+use ieap_show::{Frame, TableAndFrame, frame_of};
 pub use input::TableInput;
 pub(crate) use of_several::Runs;
 pub use table6::rules;
@@ -49,6 +52,8 @@ pub enum Need {
     Reductions,
     /// Steps fitted together with spectra.
     OneLikelihood,
+    /// What is watched over the life of the samples.
+    Monitoring,
 }
 
 /// A table that can be asked for.
@@ -62,11 +67,31 @@ pub struct NamedTable {
     /// What must be made for it.
     pub needs: Need,
     /// Makes it; name, notice and origin are filled in by [`NamedTable::table`].
-    make: fn(&TableInput) -> Table,
+    make: Make,
+}
+
+/// How a table is made.
+enum Make {
+    /// For people; programs have the numbers of what is shown.
+    Shown(fn(&TableInput) -> Table),
+    /// For people, and with further columns for files: `ieap export` writes it.
+    Written(fn(&TableInput) -> TableAndFrame),
 }
 
 impl NamedTable {
     const fn new(name: &'static str, about: &'static str, make: fn(&TableInput) -> Table) -> NamedTable {
+        NamedTable::made(name, about, Make::Shown(make))
+    }
+
+    const fn written(
+        name: &'static str,
+        about: &'static str,
+        make: fn(&TableInput) -> TableAndFrame,
+    ) -> NamedTable {
+        NamedTable::made(name, about, Make::Written(make))
+    }
+
+    const fn made(name: &'static str, about: &'static str, make: Make) -> NamedTable {
         NamedTable {
             name,
             about,
@@ -93,8 +118,24 @@ impl NamedTable {
             name: self.name.to_owned(),
             notice: input.campaign.notice.clone(),
             origin: input.origin.to_owned(),
-            ..(self.make)(input)
+            ..match self.make {
+                Make::Shown(make) => make(input),
+                Make::Written(make) => make(input).table,
+            }
         }
+    }
+
+    /// All its columns, numbers in full, for programs.
+    pub fn frame(&self, input: &TableInput) -> Frame {
+        match self.make {
+            Make::Shown(make) => frame_of(&make(input)),
+            Make::Written(make) => make(input).frame,
+        }
+    }
+
+    /// Whether `ieap export` writes it: it has columns for files.
+    pub fn is_written(&self) -> bool {
+        matches!(self.make, Make::Written(_))
     }
 }
 
@@ -108,16 +149,20 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("table6", "What happens in which environment at which voltage, in words (the thesis's table 6)", table6::make).comparing_materials(),
     NamedTable::new("contrasts", "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike", |input| study::view::table(&input.study().answers)).needing(Need::Curves),
     NamedTable::new("spread", "Means over repeats with the spread between samples, between runs and the fits' own uncertainty", spread::make).comparing_materials(),
-    NamedTable::new("conditions", "Conditions that were measured, with their runs, samples and total capacitance", conditions_table::make).comparing_materials(),
-    NamedTable::new("runs", "Every run with its tags, state and goodness of fit", runs::make),
-    NamedTable::new("fits", "Every run's current fit, all parameters", fits::make),
-    NamedTable::new("model-free", "What every step says without a model: peak, time to it, what is lost, charge, strain rate, settling time", model_free::make).needing(Need::Readings),
+    NamedTable::written("conditions", "Conditions that were measured: runs, mean and spread of each parameter", conditions_table::make).comparing_materials(),
+    NamedTable::written("runs", "Every run: tags, state, files, goodness of fit", runs::make),
+    NamedTable::written("tags", "Tags of the runs and their sources", runs::tags),
+    NamedTable::written("fits", "Every number of the current fits", fits::make),
+    NamedTable::written("fits-wide", "Current fits, parameters side by side", fits::wide),
+    NamedTable::written("model-free", "What every step says without a model: peak, loss, charge, strain rate, settling time", model_free::make).needing(Need::Readings),
     NamedTable::new("energy", "Electrical energy that went in and came back, elastic energy, efficiency, energy and power density of every step", model_free::energy).needing(Need::Readings),
-    NamedTable::new("cycles", "Trains cycle by cycle: amplitude, charge in and out, coulombic efficiency, energy, alpha, resistance, with their trends", cycles::make).needing(Need::Readings),
+    NamedTable::written("cycles", "Trains cycle by cycle: amplitude, charge, efficiency, energy, alpha, resistance, trends", cycles::make).needing(Need::Readings),
     NamedTable::new("reductions", "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs", reductions::make).needing(Need::Reductions),
     NamedTable::new("models", "Which model describes which material in which environment, as `ieap compare` found it", |input| models_compared::view::table(input.compared())).comparing_materials(),
-    NamedTable::new("findings", "What the model gets wrong in each group of runs, and why", findings::make),
-    NamedTable::new("laws", "By which factor a parameter goes over the humidity, the voltage, the temperature, the use: of the strips measured and of their material", laws::make),
+    NamedTable::written("findings", "What the model gets wrong in each group of runs and each run, and why", findings::make),
+    NamedTable::written("laws", "By which factor a parameter goes over humidity, voltage, temperature, use: of the strips measured and of their material", laws::make).needing(Need::Curves),
+    NamedTable::written("monitoring", "Parameters over the life of each sample", monitoring::make).needing(Need::Monitoring),
+    NamedTable::written("dma", "Every number of the modulus logs", dma::table::make),
     NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make),
     NamedTable::new("electrodes", "Resistance of the electrodes over time, by the four-point probe, with cracks", electrodes::make),
     NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),
@@ -133,3 +178,6 @@ pub const TABLES: &[NamedTable] = &[
 pub fn named(name: &str) -> Option<&'static NamedTable> {
     TABLES.iter().find(|table| table.name == name)
 }
+
+#[cfg(test)]
+mod tests;

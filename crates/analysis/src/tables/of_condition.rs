@@ -5,7 +5,7 @@ use super::extended::shared_notes;
 use super::of_several::Runs;
 use crate::conditions::{Condition, Conditions, Surroundings, volts};
 use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, VOLTAGE};
-use ieap_show::{Sheet, Value};
+use ieap_show::{Printed, Sheet, Value};
 
 /// The condition that a row is of.
 #[derive(Clone)]
@@ -71,6 +71,7 @@ pub fn of_surroundings<'s, 'a: 's, X: 's>(sheet: Sheet<'s, Own<'a, X>>) -> Sheet
         .column(ENVIRONMENT, |(of, _)| of.surroundings().environment.clone())
         .column(HUMIDITY, |(of, _)| of.surroundings().humidity_text())
         .column(VOLTAGE, |(of, _)| {
-            Value::from(of.voltage_v()).noted(shared_notes(&of.runs))
+            let noted = Value::from(of.voltage_v()).noted(shared_notes(&of.runs));
+            Printed(of.voltage_v(), noted)
         })
 }

@@ -1,10 +1,14 @@
 //! Sheets whose rows are each of a run.
 
-use crate::conditions::material;
+use crate::conditions::{material, nominal_voltage_v};
+use ieap_domain::Fit;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord};
-use ieap_show::quantities::{ENVIRONMENT, MATERIAL, RUN, SAMPLE};
-use ieap_show::{Sheet, Source, SourceOrigin};
+use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, Quantity, RUN, SAMPLE, VOLTAGE};
+use ieap_show::{Printed, Sheet, Source, SourceOrigin, Value};
+
+const TEMPERATURE: Quantity = Quantity::new("temperature_c", "T", "temperature", "°C");
+const STARTED: Quantity = Quantity::plain("started_at", "Started", "start, in the campaign's time zone");
 
 /// The run that a row is of.
 #[derive(Clone, Copy)]
@@ -47,6 +51,11 @@ impl<'a> OfRun<'a> {
         }
     }
 
+    /// Its path.
+    pub fn path(&self) -> &'a str {
+        self.path
+    }
+
     /// It as the source of a row.
     pub fn sources(&self) -> Vec<Source> {
         vec![Source::of(SourceOrigin::Run(self.id), self.path)]
@@ -60,6 +69,18 @@ impl<'a> OfRun<'a> {
     /// A tag as a number.
     pub fn number(&self, key: &str) -> Option<f64> {
         self.record.and_then(|run| run.tag_number(key))
+    }
+
+    /// A measured tag: sensors are good to a few tenths at best, and a mean over a run has more digits than people need.
+    pub fn measured(&self, key: &str) -> Option<Printed<f64>> {
+        let number = self.number(key)?;
+        Some(Printed(number, Value::Exact((10.0 * number).round() / 10.0)))
+    }
+
+    /// Its fit; none of a run that no result is made from, of which nothing is said.
+    pub fn fit(&self) -> Option<&'a Fit> {
+        let run = self.record.filter(|run| run.standing.speaks())?;
+        run.fit.as_ref()
     }
 }
 
@@ -84,4 +105,51 @@ pub fn of_runs_and_what<'s, 'a: 's, X: 's>(name: &'static str, title: &'static s
         .column(SAMPLE, |(run, _)| run.tag(keys::SAMPLE))
         .column(MATERIAL, move |(run, _)| material_of(run))
         .column(ENVIRONMENT, |(run, _)| run.tag(keys::ENVIRONMENT))
+}
+
+/// The same with what the run was measured under.
+pub fn of_runs_and_conditions<'s, 'a: 's, X: 's>(
+    name: &'static str,
+    title: &'static str,
+    zone: Option<&'s str>,
+) -> Sheet<'s, Own<'a, X>> {
+    of_runs_and_what(name, title)
+        .in_files(|sheet| sheet.plain("revision", |(run, _): &Own<X>| Some(run.record?.revision)))
+        .column(HUMIDITY, |(run, _)| run.measured(keys::RELATIVE_HUMIDITY_PERCENT))
+        .column(TEMPERATURE, |(run, _)| run.measured(keys::TEMPERATURE_C))
+        .column(VOLTAGE, |(run, _)| nominal_voltage_v(run.record?))
+        .column(STARTED, move |(run, _)| {
+            let stated = run.tag(keys::STARTED_AT)?;
+            Some(Printed(stated, Value::from(started(stated, zone))))
+        })
+}
+
+/// `2026-03-02 10:00 +02:00` in the campaign's zone; a text that is no time stays as it is.
+fn started(stated: &str, zone: Option<&str>) -> String {
+    let Ok(moment) = stated.parse::<jiff::Timestamp>() else {
+        return stated.to_owned();
+    };
+    let zone = zone.and_then(|name| jiff::tz::TimeZone::get(name).ok());
+    let local = moment.to_zoned(zone.unwrap_or(jiff::tz::TimeZone::UTC));
+    local.strftime("%Y-%m-%d %H:%M %:z").to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::started;
+
+    #[test]
+    fn a_start_is_shown_with_its_zone_on_both_sides_of_a_clock_change() {
+        let tallinn = Some("Europe/Tallinn");
+        assert_eq!(
+            started("2026-03-02T08:00:00Z", tallinn),
+            "2026-03-02 10:00 +02:00"
+        );
+        assert_eq!(
+            started("2026-07-02T08:00:00Z", tallinn),
+            "2026-07-02 11:00 +03:00"
+        );
+        assert_eq!(started("2026-07-02T08:00:00Z", None), "2026-07-02 08:00 +00:00");
+        assert_eq!(started("yesterday", tallinn), "yesterday");
+    }
 }

@@ -1,61 +1,69 @@
-//! Every run: what was measured, when, and how well it is fitted.
+//! Every run: what was measured, when, and how well it is fitted; and its tags.
 
 use super::TableInput;
-use super::of_run::{OfRun, Own, of_runs_and_what};
-use crate::conditions::nominal_voltage_v;
-use ieap_domain::tag::keys;
-use ieap_domain::{Fit, RunRecord};
-use ieap_show::quantities::{HUMIDITY, Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE, VOLTAGE};
-use ieap_show::{Table, Value};
+use super::of_run::{OfRun, Own, of_runs_and_conditions};
+use ieap_domain::{Fit, RunFile, RunRecord, Severity, Tag};
+use ieap_show::quantities::{Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE};
+use ieap_show::{Printed, Sheet, TableAndFrame, Value};
 
-const TEMPERATURE: Quantity = Quantity::new("temperature_c", "T", "temperature", "°C");
-const STARTED: Quantity = Quantity::plain("started_at", "Started", "start, in the campaign's time zone");
-const STATE: Quantity = Quantity::plain("state", "State", "what became of it");
+const OUTCOME: Quantity = Quantity::plain("outcome", "State", "what became of the run");
 const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
 
+type Of<'a> = Own<'a, &'a RunRecord>;
+
 /// Makes the table.
-pub fn make(input: &TableInput) -> Table {
-    let zone = input.campaign.timezone.as_deref();
-    // Sensors are good to a few tenths at best: a mean over a run has more digits than that.
-    let tenths = |run: &RunRecord, key| run.tag_number(key).map(|number| (10.0 * number).round() / 10.0);
-    // Nothing is said of the fit of a run that no result is made from.
-    fn fit(run: &RunRecord) -> Option<&Fit> {
-        run.fit.as_ref().filter(|_| run.standing.speaks())
-    }
-    let score = |run: &RunRecord, of: fn(&Fit) -> Option<f64>| {
-        fit(run)
-            .filter(|fit| fit.converged)
-            .and_then(of)
-            .map(Value::Score)
+pub fn make(input: &TableInput) -> TableAndFrame {
+    let joined = |run: &RunRecord, of: fn(&RunFile) -> &str| {
+        let files: Vec<&str> = run.files.iter().map(of).collect();
+        files.join(" ")
     };
-    type Of<'a> = Own<'a, &'a RunRecord>;
-    let sheet = of_runs_and_what("runs", "Runs")
-        .column(HUMIDITY, move |(_, run): &Of| {
-            tenths(run, keys::RELATIVE_HUMIDITY_PERCENT)
+    let score = |own: &OfRun, of: fn(&Fit) -> Option<f64>| {
+        let (fit, score) = (own.fit()?, of(own.fit()?)?);
+        let printed = fit.converged.then_some(Value::Score(score));
+        Some(Printed(score, printed.into()))
+    };
+    let sheet = of_runs_and_conditions("runs", "Runs", input.campaign.timezone.as_deref())
+        .column(OUTCOME, |(_, run): &Of| outcome(run))
+        .column(MODEL, |(own, _)| own.fit().map(|fit| fit.model.clone()))
+        .column(R_SQUARED_CURRENT, move |(own, _)| {
+            score(own, |fit| fit.r_squared_current)
         })
-        .column(TEMPERATURE, move |(_, run)| tenths(run, keys::TEMPERATURE_C))
-        .column(VOLTAGE, |(_, run)| nominal_voltage_v(run))
-        .column(STARTED, |(_, run)| started(run, zone))
-        .column(STATE, |(_, run)| {
-            if run.standing.speaks() {
-                state(run).to_owned()
-            } else {
-                format!("set aside: {}", run.standing.reason())
-            }
+        .column(R_SQUARED_CURVATURE, move |(own, _)| {
+            score(own, |fit| fit.r_squared_curvature)
         })
-        .column(MODEL, |(_, run)| fit(run).map(|fit| fit.model.clone()))
-        .column(R_SQUARED_CURRENT, move |(_, run)| {
-            score(run, |fit| fit.r_squared_current)
-        })
-        .column(R_SQUARED_CURVATURE, move |(_, run)| {
-            score(run, |fit| fit.r_squared_curvature)
+        .in_files(|sheet| {
+            sheet
+                .plain("state", |(_, run)| run.state.key())
+                .plain("standing", |(_, run)| run.standing.key())
+                .plain("standing_reason", |(_, run)| {
+                    Some(run.standing.reason()).filter(|why| !why.is_empty())
+                })
+                .plain("status", |(_, run)| run.status.key())
+                .plain("technique", |(_, run)| run.technique.clone())
+                .plain("format", |(_, run)| run.format.as_str())
+                .plain("files", move |(_, run)| joined(run, |file| &file.path))
+                .plain("file_hashes_blake3", move |(_, run)| {
+                    joined(run, |file| &file.hash)
+                })
+                .plain("data_hash", |(_, run)| run.data_hash.as_str())
+                .plain("ingested_at", |(_, run)| run.ingested_at.as_str())
+                .plain("area_cm2", |(_, run)| run.area_cm2)
+                .plain("model_version", |(own, _)| Some(own.fit()?.model_version))
+                .plain("converged", |(own, _)| Some(own.fit()?.converged))
+                .plain("readings_fitted", |(own, _)| Some(own.fit()?.n_samples))
+                .plain("warnings", |(_, run)| warnings(run))
         });
-    let runs = input.runs.iter().chain(input.set_aside);
-    sheet.over(runs.map(|run| (OfRun::of(input.campaign, run), run)))
+    sheet.both(every(input).map(|run| (OfRun::of(input.campaign, run), run)))
 }
 
-fn state(run: &RunRecord) -> &'static str {
-    match &run.fit {
+/// Every run, those that no result is made from last.
+fn every<'a>(input: &TableInput<'a>) -> impl Iterator<Item = &'a RunRecord> {
+    input.runs.iter().chain(input.set_aside)
+}
+
+fn outcome(run: &RunRecord) -> String {
+    let words = match &run.fit {
+        _ if !run.standing.speaks() => return format!("set aside: {}", run.standing.reason()),
         Some(fit) if fit.converged => "fitted",
         Some(_) => "fit did not converge",
         None => match run.state {
@@ -64,36 +72,33 @@ fn state(run: &RunRecord) -> &'static str {
             ieap_domain::RunState::NotFitted => "cannot be fitted",
             ieap_domain::RunState::NoSteps => "no steps",
         },
-    }
-}
-
-/// `2026-03-02 10:00 +02:00` in the campaign's zone; a text that is no time stays as it is.
-fn started(run: &RunRecord, zone: Option<&str>) -> Option<String> {
-    let stated = run.tag(keys::STARTED_AT)?;
-    let Ok(moment) = stated.parse::<jiff::Timestamp>() else {
-        return Some(stated.to_owned());
     };
-    let zone = zone.and_then(|name| jiff::tz::TimeZone::get(name).ok());
-    let local = moment.to_zoned(zone.unwrap_or(jiff::tz::TimeZone::UTC));
-    Some(local.strftime("%Y-%m-%d %H:%M %:z").to_string())
+    words.to_owned()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ieap_domain::testing::{run, tag};
+/// Issues of a run and its fit that are more than notes.
+fn warnings(run: &RunRecord) -> usize {
+    let of_fit = run.fit.iter().flat_map(|fit| &fit.issues);
+    let issues = run.issues.iter().chain(of_fit);
+    issues.filter(|issue| issue.severity >= Severity::Warning).count()
+}
 
-    #[test]
-    fn a_start_is_shown_with_its_zone_on_both_sides_of_a_clock_change() {
-        let at = |text: &str, zone| {
-            let mut made = run("r", "CNaf-01", "air", None, 2.0);
-            made.tags.push(tag(keys::STARTED_AT, text));
-            started(&made, zone).unwrap()
-        };
-        let tallinn = Some("Europe/Tallinn");
-        assert_eq!(at("2026-03-02T08:00:00Z", tallinn), "2026-03-02 10:00 +02:00");
-        assert_eq!(at("2026-07-02T08:00:00Z", tallinn), "2026-07-02 11:00 +03:00");
-        assert_eq!(at("2026-07-02T08:00:00Z", None), "2026-07-02 08:00 +00:00");
-        assert_eq!(at("yesterday", tallinn), "yesterday");
+/// Makes the table of tags, from every source; `chosen` tells which value of a key holds: the first.
+pub fn tags(input: &TableInput) -> TableAndFrame {
+    type OfTag<'a> = (&'a RunRecord, usize, &'a Tag);
+    fn tags_of(run: &RunRecord) -> impl Iterator<Item = OfTag<'_>> {
+        let tags = run.tags.iter().enumerate();
+        tags.map(move |(at, tag)| (run, at, tag))
     }
+    Sheet::<OfTag>::new("tags", "Tags of the runs", 2)
+        .called(|(run, at, tag)| format!("{}, {} {}", run.path, at + 1, tag.key))
+        .plain("run", |(run, ..)| run.path.as_str())
+        .plain("key", |(.., tag)| tag.key.as_str())
+        .plain("value", |(.., tag)| tag.value.as_str())
+        .plain("source", |(.., tag)| tag.source.key())
+        .plain("detail", |(.., tag)| tag.detail.as_str())
+        .plain("chosen", |(run, at, tag)| {
+            !run.tags[..*at].iter().any(|earlier| earlier.key == tag.key)
+        })
+        .both(every(input).flat_map(tags_of))
 }
