@@ -27,7 +27,7 @@ pub const SAID: [Word; 3] = [
         text: "vacuum",
     },
     Word {
-        key: "state",
+        key: "outcome",
         text: "slipped",
     },
     Word {

@@ -102,7 +102,7 @@ impl Verb {
                 text: "24.5",
             }),
             Verb::Drop => Some(Word {
-                key: "state",
+                key: "outcome",
                 text: "wet",
             }),
             _ => None,
