@@ -79,16 +79,17 @@ fn without(
 }
 
 fn diagnosed(name: &str, group: &RunGroup, base: Fitted, options: &DiagnoseOptions) -> GroupDiagnosis {
-    looked(name, group, base, options, false)
+    looked(name, group, base, options, None)
 }
 
-/// The diagnosis; `on_edges` where the edges are those that an extended model has.
+/// The diagnosis; `on_edges` where the edges are those that an extended model has: the mean square by which it misses what was held
+/// out on the edges of the base. What misses it by more there is not told.
 fn looked(
     name: &str,
     group: &RunGroup,
     base: Fitted,
     options: &DiagnoseOptions,
-    on_edges: bool,
+    on_edges: Option<f64>,
 ) -> GroupDiagnosis {
     let scattered = group.with_scatter(&base.problem.model(&base.at));
     let beside_own = scattered.as_ref().unwrap_or(group);
@@ -139,17 +140,23 @@ fn looked(
         return plain;
     }
     let missing = look(&input, &directions, options.model);
+    let held_out = missing.held_out_square(group);
+    if let (Some(there), Some(here)) = (on_edges, held_out)
+        && here > there
+    {
+        return plain;
+    }
     let extended = missing.lead.as_ref().map(|lead| lead.model.clone());
     // Edges that the base model found hide a part of what it misses. A bending that is late is no witness of them: of what is
     // wrong with it alone the causes are held against each other on the edges that the base has. Nor is a model that leaves a
     // misfit itself.
-    if !on_edges
+    if on_edges.is_none()
         && let Some(extended) = &extended
         && is_of_current(group, &base, extended)
         && let Some((moved, at)) = edges::settled(group, extended)
     {
         let moved = moved.renoised(&extended.problem.model(&at));
-        let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, true));
+        let again = refit(&moved, &base).map(|base| looked(name, &moved, base, options, held_out));
         if let Some(found) = again.filter(|again| !again.verdict.is_misfit() || again.verdict == Verdict::Law)
         {
             return found;

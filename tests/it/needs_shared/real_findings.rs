@@ -92,13 +92,12 @@ fn electrolysis_is_a_leak_and_another_date_is_set_apart() {
         (&"leak".into(), &"voltage_v".into()),
         "{told:#}"
     );
-    // 0.2 held before held-out odds went by scale and noise was the instrument's; which of them costs it (0.41 now, of the runs
-    // outside the others too) is not found yet.
-    let error = |of: &str| told["held_out"][of].as_f64().unwrap();
-    assert!(
-        error("error_percent_after") < 0.5 * error("error_percent_before"),
-        "{told:#}"
-    );
+    // The leak alone takes three quarters of the error of runs that others lie on both sides of, all that is told four fifths.
+    let part =
+        |of: &Value, before: &str, after: &str| of[after].as_f64().unwrap() / of[before].as_f64().unwrap();
+    let alone = part(&told["held_out"], "error_percent_before", "error_percent_after");
+    let all = part(&group["gain"], "nrmse_current_before", "nrmse_current_after");
+    assert!(alone < 0.3 && all < 0.2, "{alone} {all} {group:#}");
     assert!(
         group["gain"]["outside"]["parts"].as_array().unwrap().len() == 2,
         "{group:#}"

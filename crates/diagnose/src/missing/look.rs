@@ -21,6 +21,7 @@ use crate::fitting::fitted::Fitted;
 use crate::fitting::scale::scale;
 use crate::levels::RIGHT_FROM;
 use crate::misfit::signature::{Direction, directions};
+use crate::readings::group::RunGroup;
 
 /// What is found of a misfit.
 pub(crate) struct Found<'g> {
@@ -38,6 +39,16 @@ pub(crate) struct Found<'g> {
     pub(crate) may_be_noise: bool,
     /// Explanations beside the base that are not ruled out, in few words; of one that is sure none.
     pub(crate) rivals: Vec<(String, Fitted<'g>)>,
+}
+
+impl Found<'_> {
+    /// Mean square by which the leading explanation misses what was held out, current and curvature, in parts of that of their range;
+    /// none where nothing leads.
+    pub(crate) fn held_out_square(&self, group: &RunGroup) -> Option<f64> {
+        let after = &self.lead.as_ref()?.held_out.after;
+        let each = (0..2).filter_map(|channel| nrmse(group, after, channel));
+        Some(each.map(|error| error * error).sum())
+    }
 }
 
 /// The explanation that leads.

@@ -66,8 +66,15 @@ impl BlockError {
             .filter(|(k, _)| wanted(block.first + k))
             .map(|(_, v)| *v)
             .collect();
-        let square = dot(&kept, &kept);
-        (square > 0.0 && square.is_finite()).then(|| BlockError { scales: scales(kept) })
+        BlockError::new(kept)
+    }
+
+    /// Of errors in units of the noise; none of none.
+    pub(crate) fn new(errors: Vec<f64>) -> Option<BlockError> {
+        let square = dot(&errors, &errors);
+        (square > 0.0 && square.is_finite()).then(|| BlockError {
+            scales: scales(errors),
+        })
     }
 
     /// Logarithm of the odds of this prediction over another one of the same readings.

@@ -6,9 +6,12 @@ use crate::cause::policy::BESIDE_PART;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
 
-/// Logarithm of the odds that what was held out is predicted better.
+/// Logarithm of the odds that what was held out is predicted better, beyond the doubt of both predictions where it is known.
 fn log_odds(before: &[Part], after: &[Part]) -> f64 {
     let of_part = |(before, after): (&Part, &Part)| {
+        if let (Some(before), Some(after)) = (&before.beyond_doubt, &after.beyond_doubt) {
+            return after.log_odds(before);
+        }
         let pairs = before.errors.iter().zip(&after.errors);
         pairs.map(|(before, after)| after.log_odds(before)).sum::<f64>()
     };

@@ -9,6 +9,7 @@ use ieap_domain::quantiles::NORMAL_95_ROUNDED;
 use ieap_numerics::least_squares::Minimum;
 
 use crate::cause::policy::{EARLIER_PART, HELD_OUT_OF_LOG};
+use crate::cause::proof::beyond_doubt::BeyondDoubt;
 use crate::cause::proof::block_error::BlockError;
 use crate::cause::proof::doubt::Doubt;
 use crate::cause::proof::predictive::Predictive;
@@ -59,6 +60,8 @@ pub(crate) struct Part {
     pub(crate) deviations: [Deviations; 2],
     /// The same run by run and channel by channel, in units of the noise.
     pub(crate) errors: Vec<BlockError>,
+    /// The same beyond the doubt of the prediction; none where that is not known.
+    pub(crate) beyond_doubt: Option<BeyondDoubt>,
     /// What a user predicts of each run; none where times of a run are held out.
     pub(crate) predicted: Vec<Predicted>,
     /// What is left of it, drawn.
@@ -73,6 +76,7 @@ impl Part {
             deviance,
             deviations: <[Deviations; 2]>::default(),
             errors: Vec::new(),
+            beyond_doubt: None,
             predicted: Vec::new(),
             curves: Vec::new(),
         }
@@ -192,8 +196,21 @@ fn left_out(fitted: &Fitted, predictive: &Predictive, group: &RunGroup, runs: &[
     let doubt = Doubt::of(&fitted.problem, predictive, &bottom.at, &out);
     Part {
         deviance: predictive.deviance(&out, bottom.local.square),
+        beyond_doubt: Some(beyond_doubt(fitted, predictive, &bottom.at, (&out, &out))),
         ..predicted_part(&fitted.problem, &bottom.at, group, runs, Some(&doubt))
     }
+}
+
+/// The rows that are `own` beyond the doubt of a prediction by the model at a place that was found without those that are `out`.
+pub(super) fn beyond_doubt(
+    fitted: &Fitted,
+    predictive: &Predictive,
+    at: &[f64],
+    rows: (&[bool], &[bool]),
+) -> BeyondDoubt {
+    let mut residuals = Vec::new();
+    fitted.problem.residuals(at, &mut residuals);
+    BeyondDoubt::of(fitted.problem.group, predictive, &residuals, rows)
 }
 
 /// Runs predicted by a model that was fitted without them, counted by their error as [`predicted_part`] counts.
@@ -321,6 +338,7 @@ fn out_of_time(
     let found = run.fitted(&model, &run.context(0, None));
     let deviance = predictive.deviance(&out, bottom.local.square);
     let mut part = Part::new(span(from_s, to_s), deviance);
+    part.beyond_doubt = Some(beyond_doubt(fitted, predictive, &bottom.at, (&out, &out)));
     let variances = Doubt::of(&fitted.problem, predictive, &bottom.at, &out);
     let variances = variances.variances(&fitted.problem, &bottom.at, 0);
     compare(&mut part, group, 0, (&found, Some(&variances)), &|row| out[row]);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::cause::policy::EARLIER_PART;
 use crate::cause::proof::doubt::Doubt;
-use crate::cause::proof::held_out::{Part, REFIT, SETTLE, compare, later_rows};
+use crate::cause::proof::held_out::{Part, REFIT, SETTLE, beyond_doubt, compare, later_rows};
 use crate::cause::proof::predictive::Predictive;
 use crate::fitting::fitted::Fitted;
 use crate::readings::group::RunGroup;
@@ -46,6 +46,7 @@ pub(crate) fn later_parts(fitted: &Fitted, group: &RunGroup) -> Vec<Part> {
             predictive.added((&out, with.local.square), (&all_later, earlier.local.square)),
         );
         let own = later_rows(group, &[run]);
+        part.beyond_doubt = Some(beyond_doubt(fitted, &predictive, &earlier.at, (&all_later, &own)));
         let variances = doubt.variances(&fitted.problem, &earlier.at, run);
         compare(&mut part, group, run, (&found, Some(&variances)), &|row| own[row]);
         part

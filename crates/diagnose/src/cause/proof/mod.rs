@@ -4,6 +4,7 @@
 //! Out: parts that were held out in turn and how far each lies from its prediction; later times by earlier ones ([`later`]); whether a
 //! law pays on them ([`by_size`]).
 
+pub(crate) mod beyond_doubt;
 pub(crate) mod block_error;
 pub(crate) mod by_size;
 pub(crate) mod doubt;

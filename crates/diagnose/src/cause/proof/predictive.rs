@@ -41,6 +41,11 @@ impl Predictive {
         }
     }
 
+    /// Slopes about the fit, in units of the noise.
+    pub(crate) fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
+    }
+
     /// Slopes about the fit with nothing in the rows that are `out`.
     pub(crate) fn columns_without(&self, out: &[bool]) -> Vec<Vec<f64>> {
         let own = |column: &Vec<f64>| {
