@@ -85,6 +85,7 @@ fn table(document: &str, numbers: &[Bound<'_, PyBytes>]) -> Option<Readings> {
             values: doubles(values),
             excluded: part::<Vec<u32>>(&own["excluded"])?.into(),
             own_clock: false,
+            open_zero: None,
         });
     }
     let read = ReadTable {

@@ -90,7 +90,7 @@ fn the_model_that_made_the_runs_is_named_and_stored() {
     assert!(
         explained
             .stdout
-            .contains("result: comparison of lumped-2 v11, bao-two-way v6, maxwell v6"),
+            .contains("result: comparison of lumped-2 v12, bao-two-way v7, maxwell v7"),
         "{explained:#?}"
     );
     assert!(table.stdout.contains("CNaf,air,bao-two-way"), "{table:#?}");

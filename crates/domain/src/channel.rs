@@ -29,6 +29,19 @@ pub struct Channel {
     pub excluded: Arc<[u32]>,
     /// Whether an instrument with a clock of its own timed it, whose offset from that of the voltage nobody stated.
     pub own_clock: bool,
+    /// What is not known of the zero of the sensor that it is made from; none where that bends no scale.
+    pub open_zero: Option<OpenZero>,
+}
+
+/// What is not known of the zero of a sensor whose readings are no straight line of what is made of them, as of a displacement that
+/// stands for a curvature.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenZero {
+    /// How each reading goes with that zero, one standard deviation of it, canonical unit; what all readings have in common is left
+    /// out.
+    pub error: Arc<[f64]>,
+    /// Whether nothing was read at rest: all readings may be off by one value.
+    pub is_free: bool,
 }
 
 impl Channel {
@@ -43,6 +56,7 @@ impl Channel {
             values,
             excluded: Arc::from([]),
             own_clock: false,
+            open_zero: None,
         }
     }
 

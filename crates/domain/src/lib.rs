@@ -59,7 +59,7 @@ pub use branch::Branch;
 pub use campaign::{
     Campaign, CompareRules, Environment, Factor, Material, MaterialClass, Sample, StudyRules,
 };
-pub use channel::{Channel, ChannelSummary, CurveSource, RunCurve};
+pub use channel::{Channel, ChannelSummary, CurveSource, OpenZero, RunCurve};
 pub use climate::{
     ClimateAssessment, ClimateCurve, ClimateQuantity, ClimateRules, Exposure, LogReadings, LogSeries,
     RunClimate, SensorPair, SensorStatement, SensorSummary,

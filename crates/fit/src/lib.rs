@@ -28,6 +28,7 @@ mod means;
 mod moving;
 mod noise_again;
 mod nuisances;
+mod open_zero;
 mod options;
 mod outcome;
 mod outliers;
@@ -176,6 +177,16 @@ pub fn told_of_noise(input: &FitInput, options: &FitOptions) -> Result<ToldOfNoi
 
 /// Fits a run whose channels are on one clock.
 fn fit_on_one_clock(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
+    let mut fit = fit_on_one_zero(input, options)?;
+    let here = widened::values(&fit.parameters);
+    open_zero::widen(&mut fit, input, here, |moved| {
+        Some(fit_on_one_zero(moved, options).ok()?.parameters)
+    });
+    Ok(fit)
+}
+
+/// The same where the zero of a sensor is.
+fn fit_on_one_zero(input: &FitInput, options: &FitOptions) -> Result<Fit, FitError> {
     let (settled, step) = settled_edges::settled(input, options)?;
     let placed = FitInput {
         drive: settled.edges.drive(),
@@ -261,6 +272,9 @@ pub fn fit_group(inputs: &[FitInput], options: &GroupOptions) -> Result<GroupFit
             Ok(None) => {}
             Err(open) => fit.issues.push(open.clone()),
         }
+        let of_input = |input: &FitInput| Some(in_two_steps(input, &own, None)?.parameters);
+        let here = of_input(input).map_or_else(Default::default, |found| widened::values(&found));
+        open_zero::widen(fit, input, here, of_input);
     }
     for (fit, cleaned) in group.runs.iter_mut().zip(&cleaned) {
         fit.issues.extend(cleaned.issues_of_whole());

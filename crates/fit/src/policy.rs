@@ -64,6 +64,9 @@ pub(crate) const LOST_BELOW: f64 = 1e-13;
 /// An interval that edges between readings widen by less than this part of itself stays as it is, and nothing is said. Chosen.
 pub(crate) const WIDENED_FROM_PART: f64 = 0.02;
 
+/// An open zero that could move no estimate by more of its standard errors is not asked. Chosen.
+pub(crate) const OPEN_ZERO_SIGMAS: f64 = 0.1;
+
 /// Readings that tell memory, growth and steps of noise to a few percent: of longer records so many at either end are asked.
 pub(crate) const ENOUGH_FOR_NOISE: usize = 3000;
 /// Readings behind each edge of the drive that say nothing of growth: what a model misses there looks like it. Chosen.

@@ -46,6 +46,8 @@ pub(super) struct Sampled {
     pub(super) period_s: Option<f64>,
     /// The drive that moved it, where the readings were joined to the stretches between its edges: what they answer to.
     pub(super) course: Option<Arc<Drive>>,
+    /// Whether the zero of the sensor is not known though nothing was read at rest.
+    pub(super) zero_is_free: bool,
 }
 
 /// The level before the step.
@@ -117,6 +119,7 @@ impl Sampled {
             sampled.period_s = period_s(drive);
         }
         sampled.scatter = local_scatter(&sampled.smooth_stretches());
+        sampled.zero_is_free = channel.open_zero.as_ref().is_some_and(|zero| zero.is_free);
         sampled
     }
 
@@ -133,6 +136,7 @@ impl Sampled {
             moves: false,
             period_s: None,
             course: None,
+            zero_is_free: false,
         };
         sampled.cut();
         sampled
@@ -176,6 +180,7 @@ impl Sampled {
         Sampled {
             course: Some(Arc::new(drive.clone())),
             scatter: self.scatter.clone(),
+            zero_is_free: self.zero_is_free,
             ..self.rest(&self.values)
         }
     }
@@ -246,9 +251,9 @@ impl Sampled {
             .map_or(0, |span| span.end)
     }
 
-    /// Whether readings before the step tell where zero is.
+    /// Whether a zero is fitted: readings before the step tell it, or nothing is known of it.
     pub(super) fn tells_zero(&self) -> bool {
-        self.before_step() > 0
+        self.before_step() > 0 || self.zero_is_free
     }
 
     /// The level before the step and the noise about it, 0 of a single reading; none without one.
@@ -375,6 +380,7 @@ impl Sampled {
         let root = |part: &Span| ((part.end - part.first) as f64).sqrt();
         averaged.root_weights = Some(parts.iter().map(root).collect());
         averaged.scatter = local_scatter(&averaged.smooth_stretches());
+        averaged.zero_is_free = self.zero_is_free;
         averaged
     }
 
@@ -463,6 +469,7 @@ impl Sampled {
             moves: self.moves,
             period_s: self.period_s,
             course: self.course.clone(),
+            zero_is_free: self.zero_is_free,
         };
         kept.cut();
         kept

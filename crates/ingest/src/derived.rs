@@ -1,14 +1,13 @@
 //! Channels of the strip as a whole that follow from what was measured.
 
-use std::sync::Arc;
-
-use ieap_domain::{Channel, Drive, Quantity};
+use ieap_domain::{Channel, Drive, OpenZero, Quantity, range_of};
 use ieap_numerics::robust::median;
 
 /// The channels of the strip as a whole, with a curvature added where none was measured:
 /// - from the tip displacement, kappa = 2 d / (L^2 + d^2), equation \[3\] of the thesis, for a strip of free
 ///   length `length_cm`; d counts from where the tip stood at rest ([`rest_mm`]), for the zero of a displacement sensor is
-///   arbitrary and the formula is not linear: a zero that is off would bend the scale;
+///   arbitrary and the formula is not linear: a zero that is off would bend the scale. What is left open of it goes with the
+///   channel;
 /// - else the mean of the curvatures measured along the strip, where they were sampled together.
 ///
 /// Without a length, or with curvatures of different times, nothing is added.
@@ -42,14 +41,67 @@ pub fn curvature_of_displacement(displacement_mm: f64, length_cm: f64) -> f64 {
 }
 
 fn curvature_of_tip(tip: &Channel, length_cm: f64, drive: Option<&Drive>) -> Channel {
-    let zero_mm = drive.and_then(|drive| rest_mm(tip, drive)).unwrap_or(0.0);
-    let curvature = |d_mm: &f64| curvature_of_displacement(d_mm - zero_mm, length_cm);
-    let values: Arc<[f64]> = tip.values.iter().map(curvature).collect();
+    let zero = drive.map_or(TipZero::default(), |drive| TipZero::of(tip, drive));
+    let curvature = |d_mm: &f64| curvature_of_displacement(d_mm - zero.mm, length_cm);
+    let rise = |d_mm: f64| rise_of_curvature(d_mm - zero.mm, length_cm);
+    let error = |d_mm: &f64| zero.error_mm * (rise(*d_mm) - rise(zero.mm));
+    let open_zero = (zero.error_mm > 0.0 || zero.is_free).then(|| OpenZero {
+        error: tip.values.iter().map(error).collect(),
+        is_free: zero.is_free,
+    });
     Channel {
         quantity: Quantity::Curvature,
-        values,
+        values: tip.values.iter().map(curvature).collect(),
+        open_zero,
         ..tip.clone()
     }
+}
+
+/// Where a sensor of the displacement has its zero, as its readings tell.
+#[derive(Debug, Clone, Copy, Default)]
+struct TipZero {
+    mm: f64,
+    error_mm: f64,
+    is_free: bool,
+}
+
+impl TipZero {
+    fn of(tip: &Channel, drive: &Drive) -> TipZero {
+        if let Some(mm) = rest_mm(tip, drive) {
+            // A sensor that was not zeroed is taken; a strip that was bent so, or as far as it moves, is as likely: half of the square
+            // of that lies between.
+            let (_, values) = tip.included();
+            let (low, high) = range_of(values.iter().copied());
+            let error_mm = mm.abs().min(high - low) / 2.0_f64.sqrt();
+            return TipZero {
+                mm,
+                error_mm,
+                is_free: false,
+            };
+        }
+        let (time_s, values) = tip.included();
+        let edge = drive.segments.first().map(|segment| segment.edge);
+        let begins_behind =
+            edge.is_some_and(|edge| time_s.first().is_some_and(|first| *first >= edge.no_later_s));
+        match values[..] {
+            [first, second, ..] if begins_behind && drive.baseline_v == 0.0 && !drive.moves() => {
+                // The edge lies within the interval before the first reading: by then it moved as in the next, or not at all.
+                let half_mm = 0.5 * (second - first);
+                TipZero {
+                    mm: first - half_mm,
+                    error_mm: half_mm.abs(),
+                    is_free: true,
+                }
+            }
+            _ => TipZero::default(),
+        }
+    }
+}
+
+/// Change of that curvature with the displacement, 1/cm for each mm.
+fn rise_of_curvature(displacement_mm: f64, length_cm: f64) -> f64 {
+    let (d_cm, square) = (displacement_mm / 10.0, length_cm * length_cm);
+    0.2 * (square - d_cm * d_cm) / (square + d_cm * d_cm).powi(2)
 }
 
 fn mean_curvature(channels: &[Channel]) -> Option<Channel> {
@@ -73,6 +125,8 @@ fn mean_curvature(channels: &[Channel]) -> Option<Channel> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
 
     #[test]

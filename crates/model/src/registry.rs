@@ -224,14 +224,14 @@ const STIFFENING: ParameterDescription = fitted(
 static MODELS: [FitModel; 10] = [
     FitModel {
         id: "lumped-1",
-        version: 11,
+        version: 12,
         branches: 1,
         description: "one R-C branch beside the steady-state resistor, with back-relaxation (thin electrodes)",
         parameters: &[R1, C1, RSS, ALPHA, LAMBDA, C_TOTAL, R_PARALLEL, TAU1],
     },
     FitModel {
         id: "lumped-2",
-        version: 11,
+        version: 12,
         branches: 2,
         description: "two R-C branches beside the steady-state resistor, with back-relaxation (thick electrodes)",
         parameters: &[
@@ -240,7 +240,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "lumped-3",
-        version: 9,
+        version: 10,
         branches: 3,
         description: "up to three R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
         parameters: &[
@@ -249,7 +249,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "lumped-4",
-        version: 9,
+        version: 10,
         branches: 4,
         description: "up to four R-C branches beside the steady-state resistor, with back-relaxation; as many as the current shows",
         parameters: &[
@@ -276,7 +276,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "yagasaki-tamagawa",
-        version: 6,
+        version: 7,
         branches: 2,
         description: "the circuit of lumped-2, and a strip whose modulus changes with the time since the step",
         parameters: &[
@@ -297,7 +297,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "bao-two-way",
-        version: 6,
+        version: 7,
         branches: 2,
         description: "the circuit of lumped-2, and bending of which a part flows back and a part stays",
         parameters: &[
@@ -306,7 +306,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "kelvin-voigt",
-        version: 6,
+        version: 7,
         branches: 2,
         description: "the circuit of lumped-2, and a strip that follows its charge late (spring beside dashpot)",
         parameters: &[
@@ -325,7 +325,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "maxwell",
-        version: 6,
+        version: 7,
         branches: 2,
         description: "the circuit of lumped-2, and a strip that flows on under its charge (spring and dashpot in a row)",
         parameters: &[
@@ -344,7 +344,7 @@ static MODELS: [FitModel; 10] = [
     },
     FitModel {
         id: "standard-linear-solid",
-        version: 6,
+        version: 7,
         branches: 2,
         description: "the circuit of lumped-2, and a strip that creeps on under its charge (spring beside a Maxwell arm)",
         parameters: &[

@@ -235,6 +235,7 @@ fn channel(
         values,
         excluded: unpack_u32(excluded)?.into(),
         own_clock: false,
+        open_zero: None,
     })
 }
 

@@ -78,6 +78,7 @@ pub const ROWS: &[(&str, Shown)] = &[
     ("displacement-beyond-strip", By("src/pipeline/intake/ingest/places.rs", "a_tip_that_moves_further_than_the_strip_is_long_is_in_another_unit")),
     ("drive-contradicted", By("crates/ingest/src/drive/tests.rs", "readings_win_over_a_stated_drive_that_they_contradict")),
     ("duplicate-quantity", Format("plain-table/step.duplicate_current.csv")),
+    ("open-zero", By("tests/it/derived_curvature.rs", "a_zero_that_nothing_tells_is_in_the_intervals")),
     ("edges-between-readings", Campaign(|to| to.write("runs/a.csv", late()))),
     ("edges-in-a-pause", By("crates/ingest/src/drive/tests.rs", "a_pause_in_which_edges_would_not_be_seen_is_told")),
     ("empty-column", Format("chi-text/dpv.column_without_values.txt")),

@@ -7,7 +7,7 @@
 use ieap_fit::WhitenedChannel;
 use ieap_numerics::sums::sum;
 
-use crate::readings::group::{GroupRun, RunGroup};
+use crate::readings::group::{GroupRun, QUANTITIES, RunGroup};
 use crate::readings::left_open::LeftOpen;
 use crate::readings::policy::{FEWEST_AT_REST, MOST_DRIFT_PARTS, REST_BLOCKS};
 use ieap_domain::range_of;
@@ -34,6 +34,8 @@ impl RunGroup<'_> {
                     continue;
                 };
                 let parts = parts_of_record(channel);
+                // Nothing is known of a zero that nothing was read at: it may be anywhere in the range.
+                let zero = if run.zero_is_free(kind) { range } else { zero };
                 let mut ways = vec![vec![zero; parts.len()]];
                 ways.push(parts.iter().map(|part| drift * part).collect());
                 let ways = ways.into_iter().filter(|way| way.iter().any(|v| *v != 0.0));
@@ -73,6 +75,15 @@ fn sizes(each: &[Option<AtRest>], most_drift: f64) -> [f64; 2] {
         mean(&|own| own.zero).sqrt(),
         mean(&|own| own.drift).sqrt().min(most_drift),
     ]
+}
+
+impl GroupRun<'_> {
+    fn zero_is_free(&self, kind: usize) -> bool {
+        let mut channels = self.given.input.channels.iter();
+        let own = channels.find(|channel| channel.is_whole(QUANTITIES[kind]));
+        own.and_then(|own| own.open_zero.as_ref())
+            .is_some_and(|zero| zero.is_free)
+    }
 }
 
 /// Number of readings before the drive.

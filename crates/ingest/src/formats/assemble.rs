@@ -382,6 +382,7 @@ fn channels(
             time_s: time_of(rows, &all, &mut shared),
             values: values.into(),
             own_clock: false,
+            open_zero: None,
         };
         if quantity.is_response() {
             issues.extend(range_end::leave_out(&mut channel));
