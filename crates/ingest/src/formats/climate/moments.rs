@@ -1,6 +1,7 @@
 //! The moments of a logger's rows: dates in the order that fits all of them, offsets, and a clock set back.
 
 use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
 
 use crate::formats::policy::{DOUBT_BITS, GOING_BACK_SHARE};
 use crate::formats::stamp::{self, DateOrder};
@@ -40,6 +41,14 @@ pub enum NoOrder {
 /// # Errors
 /// No order fits, or two fit about equally well.
 pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder> {
+    moments_in(texts, orders, None)
+}
+
+/// As [`moments`], of a clock in a zone: the moments are in UTC then.
+///
+/// # Errors
+/// As [`moments`].
+pub fn moments_in(texts: &[&str], orders: &[DateOrder], zone: Option<&TimeZone>) -> Result<Moments, NoOrder> {
     let mut read_as: Vec<(f64, DateOrder, Vec<DateTime>)> = Vec::new();
     let in_utc = texts.first().is_some_and(|text| with_offset(text).is_some());
     for &order in orders {
@@ -48,7 +57,7 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
                 let span = jiff::SignedDuration::from_secs(offset_s);
                 stamp::civil(date, order)?.checked_sub(span).ok()
             }
-            (false, None) => stamp::civil(text, order),
+            (false, None) => utc_in(zone, stamp::civil(text, order)?),
             _ => None,
         };
         let Some(read) = texts.iter().map(read).collect::<Option<Vec<DateTime>>>() else {
@@ -69,12 +78,21 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
         0 => Err(NoOrder::Fits),
         1 => {
             let (_, order, read) = read_as.remove(0);
-            Ok(elapsed(order, &read, in_utc))
+            Ok(elapsed(order, &read, in_utc || zone.is_some()))
         }
         _ => Err(NoOrder::Several(
             read_as.into_iter().map(|(_, order, _)| order).collect(),
         )),
     }
+}
+
+/// What a clock shows, in UTC where its zone is known.
+fn utc_in(zone: Option<&TimeZone>, local: DateTime) -> Option<DateTime> {
+    let Some(zone) = zone else {
+        return Some(local);
+    };
+    let zoned = local.to_zoned(zone.clone()).ok()?;
+    Some(TimeZone::UTC.to_datetime(zoned.timestamp()))
 }
 
 /// What the steps of rows tell against an order of their dates, in bits: the usual step costs nothing, any other as much as it
