@@ -4,6 +4,7 @@ use super::glob::Glob;
 use crate::Reading;
 use crate::formats::error::{ReadError, quoted};
 use crate::formats::plain_table::PlainTable;
+use crate::formats::sheet_cells::is_workbook;
 use crate::formats::spreadsheet::Spreadsheet;
 use crate::formats::{self, Format, ReadContext, sheet_cells, unpacking};
 use crate::table::Answers;
@@ -35,11 +36,6 @@ pub struct Profile {
     pub over_vendor: bool,
     /// What it answers to what the reader of tables asks, or states in its place.
     pub(super) answers: Answers,
-}
-
-/// Whether bytes are those of a workbook.
-pub(super) fn is_workbook(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0")
 }
 
 impl Profile {

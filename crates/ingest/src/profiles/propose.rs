@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::definition::is_workbook;
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
+use crate::formats::sheet_cells::is_workbook;
 use crate::formats::{sheet_cells, unpacking};
 use crate::table::Answers;
 use crate::table::columns;
