@@ -454,6 +454,31 @@ fn the_order_that_is_stated_counts_against_all_that_the_rows_show() {
 }
 
 #[test]
+fn a_row_in_anothers_place_costs_no_more_than_itself() {
+    let layout = "separator = \"semicolon\"\ndecimal = \"point\"\nheader_line = 1";
+    let dates = of_dates(layout, "order = \"day-first\"");
+    let counted = dates.replace("\"clock\"", "\"elapsed\"");
+    let counted = counted.replace("order = \"day-first\"", "unit = \"s\"");
+    let mut seconds: Vec<u32> = (0..60).collect();
+    seconds.swap(20, 21);
+    seconds.swap(40, 41);
+    let table = |time: &dyn Fn(&u32) -> String| {
+        let rows = seconds.iter().map(|second| format!("{};1\n", time(second)));
+        format!("Zeit;Strom\n{}", rows.collect::<String>())
+    };
+    let (moments, numbers) = (
+        table(&|second| format!("05.02.2026 10:00:{second:02}")),
+        table(&u32::to_string),
+    );
+    for (text, log) in [(dates, moments), (counted, numbers)] {
+        let reading = read_with(&text, "a.csv", log.as_bytes());
+        assert_eq!(reading.tables[0].channels[0].len(), 58);
+        let codes: Vec<&str> = reading.issues.iter().map(|issue| issue.code.as_str()).collect();
+        assert!(codes.contains(&"time-not-increasing"), "{codes:?}");
+    }
+}
+
+#[test]
 fn a_sheet_is_read_as_its_profile_says() {
     use crate::formats::sheet_writer::Xml::{Date, Number, Text};
     use crate::formats::sheet_writer::{sheet, workbook};

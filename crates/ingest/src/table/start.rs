@@ -30,7 +30,7 @@ pub fn after_word(line: &str) -> Option<(&'static str, &str)> {
 
 /// Marks between such a word and its date.
 pub fn is_mark(c: char) -> bool {
-    c.is_whitespace() || "\";,:=\t'".contains(c)
+    c.is_whitespace() || "\";,:=|\t'".contains(c)
 }
 
 /// The start that lines above a table state: behind a word for it, else the one full date that stands there, whatever is before

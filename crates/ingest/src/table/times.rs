@@ -15,7 +15,7 @@ use super::stated_times;
 use crate::formats::ReadContext;
 use crate::formats::climate::moments::{Moments, NoOrder, moments_in};
 use crate::formats::error::{ReadError, quoted};
-use crate::formats::policy::BAD_SHARE;
+use crate::formats::policy::{BAD_SHARE, GOING_BACK_SHARE};
 use crate::formats::stamp::{DateOrder, in_digits};
 use crate::table::policy::{CLOCK_RESOLUTIONS, CLOCKS_AGREE_SHARE};
 use crate::text::header::{Header, Meaning};
@@ -625,15 +625,18 @@ pub(super) fn by_dates(
     if let Some((found, first)) = unread(texts, is_date, "date") {
         return Err(no_dates(table, columns[0], &found, first));
     }
+    // An order that is stated is no guess that rows in disorder speak against; more going back than forward are newest first.
+    let is_stated = orders.len() < DateOrder::ALL.len();
+    let back = if is_stated { 0.5 } else { GOING_BACK_SHARE };
     let name = table.headers[columns[0]].raw_name.clone();
     let refused = |table: &Table<'_>, found: &str, first: &str| no_dates(table, columns[0], found, first);
     if dates.is_empty() {
         return Err(refused(table, "no row holds a date", ""));
     }
-    let mut found = moments_in(&dates, orders, zone);
+    let mut found = moments_in(&dates, orders, zone, back);
     if found == Err(NoOrder::Fits) {
         dates.reverse();
-        found = moments_in(&dates, orders, zone);
+        found = moments_in(&dates, orders, zone, back);
         if found != Err(NoOrder::Fits) {
             let rows = texts.len();
             at = at.into_iter().rev().map(|row| rows - 1 - row).collect();
@@ -652,7 +655,7 @@ pub(super) fn by_dates(
         }
         Err(NoOrder::Several(orders)) => {
             match named_order(&name, &orders).or_else(|| taken(dates[0], &orders, order)) {
-                Some((order, reason)) => match moments_in(&dates, &[order], zone) {
+                Some((order, reason)) => match moments_in(&dates, &[order], zone, back) {
                     Ok(found) => (found, reason.to_owned()),
                     Err(_) => return Err(refused(table, "no order fits", dates[0])),
                 },

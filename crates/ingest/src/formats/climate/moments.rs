@@ -41,14 +41,19 @@ pub enum NoOrder {
 /// # Errors
 /// No order fits, or two fit about equally well.
 pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder> {
-    moments_in(texts, orders, None)
+    moments_in(texts, orders, None, GOING_BACK_SHARE)
 }
 
-/// As [`moments`], of a clock in a zone: the moments are in UTC then.
+/// As [`moments`], of a clock in a zone (the moments are in UTC then), of whose rows a share may go back.
 ///
 /// # Errors
 /// As [`moments`].
-pub fn moments_in(texts: &[&str], orders: &[DateOrder], zone: Option<&TimeZone>) -> Result<Moments, NoOrder> {
+pub fn moments_in(
+    texts: &[&str],
+    orders: &[DateOrder],
+    zone: Option<&TimeZone>,
+    most_back: f64,
+) -> Result<Moments, NoOrder> {
     let mut read_as: Vec<(f64, DateOrder, Vec<DateTime>)> = Vec::new();
     let in_utc = texts.first().is_some_and(|text| with_offset(text).is_some());
     for &order in orders {
@@ -64,7 +69,7 @@ pub fn moments_in(texts: &[&str], orders: &[DateOrder], zone: Option<&TimeZone>)
             continue;
         };
         let back = read.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        if back as f64 > (GOING_BACK_SHARE * read.len() as f64).max(1.0) {
+        if back as f64 > (most_back * read.len() as f64).max(1.0) {
             continue;
         }
         read_as.push((price(&read), order, read));
