@@ -22,7 +22,7 @@ impl Format for PlainTable {
             id: "plain-table",
             title: "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)",
             extensions: &["csv", "tsv", "txt", "dat"],
-            version: 10,
+            version: 11,
         }
     }
 

@@ -20,7 +20,7 @@ impl Format for Spreadsheet {
             id: "spreadsheet",
             title: "Excel spreadsheet with a run table, as exported by Metrohm Autolab NOVA, or of a climate logger (.xlsx, .xls)",
             extensions: &["xlsx", "xls", "xlsm"],
-            version: 11,
+            version: 12,
         }
     }
 
