@@ -198,7 +198,7 @@ pub fn note_replacements(decoded: &Decoded<'_>, lines: &[Line<'_>], issues: &mut
 }
 
 /// `# key: value`, `# key = value`, other comments, and the lines before the header.
-fn metadata(lines: &[Line<'_>], header_at: usize) -> Vec<(String, String)> {
+pub fn metadata(lines: &[Line<'_>], header_at: usize) -> Vec<(String, String)> {
     let mut metadata = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         let text = line.text.trim();

@@ -105,7 +105,7 @@ impl Match {
 }
 
 /// What a reader may need to know beside the bytes.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ReadContext {
     /// Most bytes that a packed file may unpack to; a small one may to fewer: see [`unpacking::allowance`].
     pub max_unpacked_bytes: u64,

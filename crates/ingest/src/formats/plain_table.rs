@@ -22,7 +22,7 @@ impl Format for PlainTable {
             id: "plain-table",
             title: "plain table of a run (time_s, voltage_v, current_a, curvature_per_cm), of a modulus log or of a spectrum (CSV, TSV)",
             extensions: &["csv", "tsv", "txt", "dat"],
-            version: 10,
+            version: 11,
         }
     }
 
@@ -55,9 +55,13 @@ impl Format for PlainTable {
 
     fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
         let mut issues = Vec::new();
-        let decoded = delimited::decoded(bytes)?;
+        let stated = context.answers.table();
+        let decoded = match stated {
+            Some(stated) if !bytes.is_empty() => stated.decoded(bytes),
+            _ => delimited::decoded(bytes)?,
+        };
         let text = delimited::text(&decoded, &mut issues)?;
-        let (tables, started_at, names_at) = runs(&text.lines, context, true, &mut issues)?;
+        let (tables, started_at, names_at) = runs(&text.lines, context, stated.is_none(), &mut issues)?;
         let metadata = text.metadata(names_at);
         let is_tag = |(key, value): &&(String, String)| is_comment_tag(key) && !value.is_empty();
         let header_tags = metadata.iter().filter(is_tag);
@@ -97,14 +101,20 @@ pub fn runs(
         return side_by_side(lines, blocks, context, must_be_run, issues);
     }
     issues.extend(tables[0].layout.between(lines));
-    issues.extend(said_by_unit(&tables[0].headers, |_| true));
+    let stated = context.answers.table();
+    if stated.is_none() {
+        issues.extend(said_by_unit(&tables[0].headers, |_| true));
+    }
     if !tables[0].layout.own_numbers.is_empty() {
         let message = "columns have decimal marks of their own: a comma in some, a point in others; each is read by its own";
         issues.push(Issue::note("decimal-marks-differ", message));
     }
-    let names_at = tables[0].layout.shape.names_at;
-    let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
-    let mut started_at = start::answered(start::stated(head, context.date_order), &context.answers);
+    let shape = &tables[0].layout.shape;
+    let names_at = shape.names_at.or(stated.map(|_| shape.data_at));
+    let head = || lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
+    let start_line = stated.and_then(|stated| stated.start.as_ref());
+    let named = start_line.and_then(|line| start::behind(head(), line, issues));
+    let mut started_at = start::answered(start::stated(head(), context.date_order), &context.answers);
     let several = tables.len() > 1;
     let mut found = Vec::new();
     for (index, mut table) in tables.into_iter().enumerate() {
@@ -114,8 +124,8 @@ pub fn runs(
                 .spent
                 .iter()
                 .map(|at| table.headers[*at].raw_name.as_str());
-            let head = lines[..names_at.unwrap_or(0)].iter().map(|line| line.text);
-            started_at = zone::complete(settled.started_at.or(started_at), names, head, issues);
+            let own = named.clone().or(settled.started_at);
+            started_at = zone::complete(own.or(started_at), names, head(), issues);
         } else if settled.started_at.is_some() {
             // Each part has its own moment; a file has one.
             let message = format!(
@@ -135,7 +145,7 @@ pub fn runs(
             cells: table.cells,
             flags: Vec::new(),
             printed_time: None,
-            time_zero_is_step: !settled.is_clock,
+            time_zero_is_step: stated.map_or(!settled.is_clock, |stated| stated.zero_is_step),
             must_be_run,
             must_respond: context.needs_response,
         };

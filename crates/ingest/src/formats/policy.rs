@@ -23,7 +23,7 @@ pub(super) const SAME_TIME_SHARE: f64 = 1e-6;
 pub(super) const MOSTLY_CAPACITIVE: f64 = 0.9;
 /// Share of steps of a climate log that may go back under the order of dates that is taken (one always may): a clock that is set
 /// right. Chosen.
-pub(super) const GOING_BACK_SHARE: f64 = 0.01;
+pub(crate) const GOING_BACK_SHARE: f64 = 0.01;
 /// By how many bits one reading of a table must be likelier than another to be taken without asking: a thousand to one. Chosen.
 pub(super) const DOUBT_BITS: f64 = 10.0;
 /// Numbers from here on are no readings: instruments write 9.9E37, 9.91E37, 1E38 or 199.999E99 for an overload.

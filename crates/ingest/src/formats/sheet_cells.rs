@@ -144,6 +144,11 @@ pub fn merged(bytes: &[u8], limit: u64) -> Vec<Vec<(Place, Place)>> {
         .unwrap_or_default()
 }
 
+/// Whether bytes begin as those of a workbook do.
+pub fn is_workbook(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0")
+}
+
 /// Reads every sheet of an .xlsx or .xls workbook, which may unpack to `limit` bytes, and to no more than a file of its
 /// size may.
 ///

@@ -2,6 +2,7 @@
 //! columns and those of the NOVA export alike; where there is none, the table of a climate logger.
 
 use super::autolab_nova;
+use super::delimited::metadata;
 use super::recognition::{FileHead, Match};
 use super::sheet_cells::{self, Sheet};
 use super::{About, Format, ReadContext, ReadError, climate, plain_table};
@@ -19,7 +20,7 @@ impl Format for Spreadsheet {
             id: "spreadsheet",
             title: "Excel spreadsheet with a run table, as exported by Metrohm Autolab NOVA, or of a climate logger (.xlsx, .xls)",
             extensions: &["xlsx", "xls", "xlsm"],
-            version: 11,
+            version: 12,
         }
     }
 
@@ -66,6 +67,20 @@ impl Format for Spreadsheet {
         let mut is_step_response = true;
         let mut started_at = None;
         let sheets = sheet_cells::read(bytes, context.max_unpacked_bytes)?;
+        if let Some(stated) = context.answers.table() {
+            let (sheet, texts) = stated.sheet(&sheets)?;
+            issues.extend(uncomputed(sheet));
+            let lines = text_of::lines(sheet, &texts);
+            let (tables, started_at, names_at) = plain_table::runs(&lines, context, false, &mut issues)?;
+            return Ok(Reading {
+                status_evidence: "the workbook is whole".to_owned(),
+                started_at,
+                tables,
+                original_metadata: metadata(&lines, names_at.unwrap_or(0)),
+                issues,
+                ..self.reading()
+            });
+        }
         // A workbook tells numbers from texts itself.
         let mut own = context.clone();
         let typed = [("decimal", "point"), ("thousands", "none")];

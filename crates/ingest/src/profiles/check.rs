@@ -6,18 +6,18 @@ use std::path::Path;
 use encoding_rs::Encoding;
 use toml::Spanned;
 
-use super::definition::{Column, ColumnRef, Container, HeaderPlace, Profile, TimeBase};
+use super::definition::Profile;
 use super::error::ProfileError as Error;
 use super::glob::Glob;
 use super::raw;
 use crate::campaign_file::line_and_column;
 use crate::table::Answers;
+use crate::table::numbers::decimal_word;
+use crate::table::stated::{Column, ColumnRef, Container, HeaderPlace, Stated};
 use crate::text::grid::Dialect;
 use crate::text::{Decimal, Delimiter};
 use ieap_domain::Quantity;
 use ieap_domain::unit;
-
-const SEPARATORS: &str = "\"tab\", \"semicolon\", \"comma\", \"bar\", \"two blanks\" or \"blanks\"";
 
 /// Checks one file; `text` gives the line of each statement.
 pub(super) struct Checker<'a> {
@@ -33,33 +33,26 @@ impl Checker<'_> {
         let head = file
             .profile
             .ok_or_else(|| missing("[profile]", "a table [profile] with version = 1"))?;
-        let says_more = file.layout.is_some() || file.time.is_some() || !file.column.is_empty();
-        if !file.answers.is_empty() {
-            return self.answered(file.answers, file.recognise, says_more, &head);
+        let says_more =
+            file.layout.is_some() || file.time.is_some() || file.start.is_some() || !file.column.is_empty();
+        let mut answers = self.answers(&file.answers)?;
+        if says_more || file.answers.is_empty() {
+            let layout = file
+                .layout
+                .ok_or_else(|| missing("[layout]", "a table [layout]"))?;
+            let time = file.time.ok_or_else(|| missing("[time]", "a table [time]"))?;
+            answers.state(self.stated(layout, time, file.start, file.column)?);
         }
-        let layout = file
-            .layout
-            .ok_or_else(|| missing("[layout]", "a table [layout]"))?;
-        let time = file.time.ok_or_else(|| missing("[time]", "a table [time]"))?;
-        let (container, header, lines_after_header) = self.layout(layout)?;
-        let at = |spanned: &Spanned<raw::Time>| Some(spanned.span().start);
-        let time_at = at(&time);
-        let time = time.into_inner();
-        let time_zero_is_step = match self.word(&time.zero, "[time] zero")? {
-            None | Some("clock") => false,
-            Some("step") => true,
-            Some(other) => {
-                let needed =
-                    "\"clock\" (an instrument's clock), or \"step\" (the voltage is stepped at time 0)";
-                return Err(self.refused(span(&time.zero), "[time] zero", &shown(other), needed));
-            }
-        };
-        let columns = file
-            .column
-            .into_iter()
-            .map(|column| self.column(column))
-            .collect::<Result<Vec<_>, _>>()?;
-        let profile = Profile {
+        let recognise = file.recognise;
+        let says_nothing = recognise.name.is_none() && recognise.contains.is_empty();
+        let is_unnamed = answers
+            .table()
+            .is_none_or(|stated| stated.header == HeaderPlace::None);
+        if says_nothing && is_unnamed {
+            let needed = "name or contains, for nothing else tells the files of this source apart";
+            return Err(self.refused(None, "[recognise]", "it says nothing", needed));
+        }
+        Ok(Profile {
             id: self.id.to_owned(),
             version: self.version(head.version)?,
             title: head.title.unwrap_or_else(|| self.id.to_owned()),
@@ -67,80 +60,65 @@ impl Checker<'_> {
             text: self.text.to_owned(),
             technique: head.technique,
             step_response: head.step_response.unwrap_or(true),
-            name: file.recognise.name.as_deref().map(Glob::new),
-            contains: file.recognise.contains,
-            over_vendor: file.recognise.over_vendor,
-            time: self.time(time, time_at)?,
-            time_zero_is_step,
-            start: file.start.map(|start| self.start(start)).transpose()?,
-            container,
-            header,
-            lines_after_header,
-            columns,
-        };
-        self.whole(&profile)?;
-        Ok(profile)
+            name: recognise.name.as_deref().map(Glob::new),
+            contains: recognise.contains,
+            over_vendor: recognise.over_vendor,
+            answers,
+        })
     }
 
-    /// A profile that leaves the table to the reader of tables and answers what that asks.
-    fn answered(
-        &self,
-        stated: BTreeMap<String, String>,
-        recognise: raw::Recognise,
-        says_more: bool,
-        head: &raw::Head,
-    ) -> Result<Profile, Error> {
-        if says_more {
-            let needed =
-                "either answers to what the reader of tables asks, or [layout], [time] and [[column]]";
-            return Err(self.refused(None, "[answers]", "it stands beside a layout", needed));
-        }
+    /// Answers to what the reader of tables asks.
+    fn answers(&self, stated: &BTreeMap<String, String>) -> Result<Answers, Error> {
         let mut answers = Answers::default();
-        for (key, answer) in &stated {
+        for (key, answer) in stated {
             let added = answers.add(key, answer);
             added.map_err(|reason| {
                 self.refused(None, "[answers]", &reason, "a question with one of its answers")
             })?;
         }
-        if recognise.name.is_none() && recognise.contains.is_empty() {
-            let needed = "name or contains, for nothing else tells the files of this source apart";
-            return Err(self.refused(None, "[recognise]", "it says nothing", needed));
-        }
-        Ok(Profile {
-            id: self.id.to_owned(),
-            version: self.version(head.version.clone())?,
-            title: head.title.clone().unwrap_or_else(|| self.id.to_owned()),
-            digest: blake3::hash(self.text.as_bytes()).to_hex().to_string(),
-            text: self.text.to_owned(),
-            technique: head.technique.clone(),
-            step_response: head.step_response.unwrap_or(true),
-            name: recognise.name.as_deref().map(Glob::new),
-            contains: recognise.contains,
-            over_vendor: false,
-            time: TimeBase::Interval { interval_s: 1.0 },
-            time_zero_is_step: false,
-            start: None,
-            container: Container::Answers(answers),
-            header: HeaderPlace::None,
-            lines_after_header: 0,
-            columns: Vec::new(),
-        })
+        Ok(answers)
+    }
+
+    /// What is stated of a table as a whole.
+    fn stated(
+        &self,
+        layout: Spanned<raw::Layout>,
+        time: Spanned<raw::Time>,
+        start: Option<Spanned<raw::Start>>,
+        columns: Vec<Spanned<raw::Column>>,
+    ) -> Result<Stated, Error> {
+        let (container, header, lines_after_header) = self.layout(layout)?;
+        let time_at = time.span().start;
+        let time = time.into_inner();
+        let zeros = [("clock", false), ("step", true)];
+        let zero_is_step = match &time.zero {
+            None => false,
+            zero => self.one_of(zero, "[time] zero", time_at, &zeros)?,
+        };
+        let columns = columns.into_iter().map(|column| self.column(column));
+        let stated = Stated {
+            container,
+            header,
+            lines_after_header,
+            columns: columns.collect::<Result<Vec<_>, _>>()?,
+            time: self.time(time, time_at)?,
+            zero_is_step,
+            start: start.map(|start| self.start(start)).transpose()?,
+        };
+        self.whole(&stated)?;
+        Ok(stated)
     }
 
     /// What only the parts together show.
-    fn whole(&self, profile: &Profile) -> Result<(), Error> {
-        if profile.columns.is_empty() {
+    fn whole(&self, stated: &Stated) -> Result<(), Error> {
+        if stated.columns.is_empty() {
             let needed = "at least one [[column]] with column, quantity and unit";
             return Err(self.refused(None, "[[column]]", "it is missing", needed));
         }
-        let unnamed = matches!(profile.header, HeaderPlace::None);
-        if unnamed && profile.name.is_none() && profile.contains.is_empty() {
-            let needed = "name or contains, for nothing else tells files without names of columns apart";
-            return Err(self.refused(None, "[recognise]", "it says nothing", needed));
-        }
-        let named: Vec<&ColumnRef> = profile.named_columns().collect();
+        let columns = stated.columns.iter().map(|column| &column.column);
+        let named: Vec<&ColumnRef> = stated.time.columns().iter().chain(columns).collect();
         for (index, column) in named.iter().enumerate() {
-            if unnamed && matches!(column, ColumnRef::Name(_)) {
+            if stated.header == HeaderPlace::None && matches!(column, ColumnRef::Name(_)) {
                 let needed = "its number from 1, for header_line = 0 says that the file has no names";
                 return Err(self.refused(None, &column.shown(), "it is given by name", needed));
             }
@@ -164,7 +142,7 @@ impl Checker<'_> {
     }
 
     fn layout(&self, layout: Spanned<raw::Layout>) -> Result<(Container, HeaderPlace, usize), Error> {
-        let at = Some(layout.span().start);
+        let at = layout.span().start;
         let layout = layout.into_inner();
         let header = match (&layout.header_line, &layout.header_contains) {
             (Some(line), None) => match usize::try_from(*line.get_ref()) {
@@ -173,84 +151,43 @@ impl Checker<'_> {
                 Err(_) => {
                     let needed = "the line of the names from 1, or 0 where there are none";
                     let found = line.get_ref().to_string();
-                    return Err(self.refused(
-                        Some(line.span().start),
-                        "[layout] header_line",
-                        &found,
-                        needed,
-                    ));
+                    let at = Some(line.span().start);
+                    return Err(self.refused(at, "[layout] header_line", &found, needed));
                 }
             },
             (None, Some(text)) if !text.is_empty() => HeaderPlace::Contains(text.clone()),
             (None, _) => {
                 let needed =
                     "header_line = 1, or header_contains = \"a text of the line that names the columns\"";
-                return Err(self.refused(at, "[layout]", "where the names stand is missing", needed));
+                return Err(self.refused(Some(at), "[layout]", "where the names stand is missing", needed));
             }
             (Some(_), Some(_)) => {
-                return Err(self.refused(
-                    at,
-                    "[layout]",
-                    "header_line and header_contains both stand",
-                    "one of them",
-                ));
+                let found = "header_line and header_contains both stand";
+                return Err(self.refused(Some(at), "[layout]", found, "one of them"));
             }
         };
-        let container = match self.word(&layout.kind, "[layout] kind")? {
-            None | Some("text") => self.text_container(&layout, at)?,
-            Some("sheet") => {
-                self.sheet_only(&layout)?;
-                Container::Sheet {
-                    name: layout.sheet.clone(),
-                }
-            }
-            Some(other) => {
-                return Err(self.refused(
-                    span(&layout.kind),
-                    "[layout] kind",
-                    &shown(other),
-                    "\"text\" or \"sheet\"",
-                ));
-            }
+        let kinds = [("text", false), ("sheet", true)];
+        let is_sheet = match &layout.kind {
+            None => false,
+            kind => self.one_of(kind, "[layout] kind", at, &kinds)?,
+        };
+        let container = if is_sheet {
+            self.sheet_only(&layout)?;
+            Container::Sheet { name: layout.sheet }
+        } else {
+            self.text_container(&layout, at)?
         };
         Ok((container, header, usize::from(layout.lines_after_header)))
     }
 
-    fn text_container(&self, layout: &raw::Layout, at: Option<usize>) -> Result<Container, Error> {
-        let separator = self.word(&layout.separator, "[layout] separator")?;
-        let delimiter = match separator {
-            Some("tab") => Delimiter::Tab,
-            Some("semicolon") => Delimiter::Semicolon,
-            Some("comma") => Delimiter::Comma,
-            Some("bar") => Delimiter::Bar,
-            Some("two blanks") => Delimiter::WideBlanks,
-            Some("blanks") => Delimiter::Blanks,
-            Some(other) => {
-                return Err(self.refused(
-                    span(&layout.separator),
-                    "[layout] separator",
-                    &shown(other),
-                    SEPARATORS,
-                ));
-            }
-            None => return Err(self.refused(at, "[layout] separator", "it is missing", SEPARATORS)),
-        };
-        let decimal = match self.word(&layout.decimal, "[layout] decimal")? {
-            Some("point") => Decimal::Point,
-            Some("comma") => Decimal::Comma,
-            other => {
-                let found = other.map_or("it is missing".to_owned(), shown);
-                let at = span(&layout.decimal).or(at);
-                return Err(self.refused(at, "[layout] decimal", &found, "\"point\" or \"comma\""));
-            }
-        };
+    fn text_container(&self, layout: &raw::Layout, at: usize) -> Result<Container, Error> {
+        let separators = Delimiter::ALL.map(|delimiter| (delimiter.label(), delimiter));
+        let delimiter = self.one_of(&layout.separator, "[layout] separator", at, &separators)?;
+        let decimals = [Decimal::Point, Decimal::Comma].map(|decimal| (decimal_word(decimal), decimal));
+        let decimal = self.one_of(&layout.decimal, "[layout] decimal", at, &decimals)?;
         if layout.sheet.is_some() {
-            return Err(self.refused(
-                at,
-                "[layout] sheet",
-                "it stands beside kind = \"text\"",
-                "kind = \"sheet\"",
-            ));
+            let found = "it stands beside kind = \"text\"";
+            return Err(self.refused(Some(at), "[layout] sheet", found, "kind = \"sheet\""));
         }
         let encoding = match self.word(&layout.encoding, "[layout] encoding")? {
             None => None,
@@ -278,12 +215,8 @@ impl Checker<'_> {
             if value.is_some() {
                 let place = format!("[layout] {key}");
                 let found = "it stands beside kind = \"sheet\"";
-                return Err(self.refused(
-                    span(value),
-                    &place,
-                    found,
-                    "nothing: the workbook itself tells numbers from texts",
-                ));
+                let needed = "nothing: the workbook itself tells numbers from texts";
+                return Err(self.refused(span(value), &place, found, needed));
             }
         }
         Ok(())
@@ -293,25 +226,30 @@ impl Checker<'_> {
         let at = Some(column.span().start);
         let column = column.into_inner();
         let place = |key: &str| format!("[[column]] {key}");
-        let reference = column.column.as_ref().ok_or_else(|| {
-            self.refused(
-                at,
-                &place("column"),
-                "it is missing",
-                "the column's name as the file has it, or its number",
-            )
-        })?;
+        let needed = "the column's name as the file has it, or its number";
+        let reference = column.column.as_ref();
+        let reference =
+            reference.ok_or_else(|| self.refused(at, &place("column"), "it is missing", needed))?;
         let reference = self.column_ref(reference, &place("column"))?;
-        let quantity = self.quantity(&column.quantity, at)?;
+        let has_meaning = |quantity: &Quantity| !matches!(quantity, Quantity::Time | Quantity::Other);
+        let known = Quantity::ALL.into_iter().filter(has_meaning);
+        let known: Vec<(&str, Quantity)> = known.map(|quantity| (quantity.key(), quantity)).collect();
+        let word = self.word(&column.quantity, &place("quantity"))?;
+        let quantity = known.iter().find(|(key, _)| Some(*key) == word);
+        let (_, quantity) = *quantity.ok_or_else(|| {
+            let found = word.map_or("it is missing".to_owned(), shown);
+            let keys: Vec<&str> = known.iter().map(|(key, _)| *key).collect();
+            let needed = format!(
+                "one of {}; a column without a meaning needs no entry",
+                keys.join(", ")
+            );
+            self.refused(span(&column.quantity).or(at), &place("quantity"), &found, &needed)
+        })?;
         let text = column.unit.as_ref().map_or("", |unit| unit.get_ref().as_str());
         let conversion = unit::conversion(quantity, text).map_err(|error| {
             let at = span(&column.unit).or(at);
-            self.refused(
-                at,
-                &place("unit"),
-                &error.to_string(),
-                "the unit of the column's numbers",
-            )
+            let needed = "the unit of the column's numbers";
+            self.refused(at, &place("unit"), &error.to_string(), needed)
         })?;
         let positive_or_negative = |value: &f64| value.is_finite() && *value != 0.0;
         Ok(Column {
@@ -334,55 +272,22 @@ impl Checker<'_> {
         })
     }
 
-    fn quantity(&self, quantity: &Option<Spanned<String>>, at: Option<usize>) -> Result<Quantity, Error> {
-        let place = "[[column]] quantity";
-        let known: Vec<&str> = Quantity::ALL
-            .into_iter()
-            .filter(|quantity| !matches!(quantity, Quantity::Time | Quantity::Other))
-            .map(Quantity::key)
-            .collect();
-        let word = self.word(quantity, place)?;
-        match word
-            .filter(|word| known.contains(word))
-            .and_then(Quantity::from_key)
-        {
-            Some(quantity) => Ok(quantity),
-            None => {
-                let found = word.map_or("it is missing".to_owned(), shown);
-                let needed = format!(
-                    "one of {}; a column without a meaning needs no entry",
-                    known.join(", ")
-                );
-                Err(self.refused(span(quantity).or(at), place, &found, &needed))
-            }
-        }
-    }
-
     pub(super) fn column_ref(
         &self,
         column: &Spanned<raw::ColumnRef>,
         place: &str,
     ) -> Result<ColumnRef, Error> {
+        let refused =
+            |found: &str, needed| Err(self.refused(Some(column.span().start), place, found, needed));
         match column.get_ref() {
-            raw::ColumnRef::Name(name) if !name.trim().is_empty() => {
-                Ok(ColumnRef::Name(name.trim().to_owned()))
-            }
-            raw::ColumnRef::Number(number) if (1..=10_000).contains(number) => {
-                Ok(ColumnRef::Index(*number as usize - 1))
-            }
-            raw::ColumnRef::Number(number) => Err(self.refused(
-                Some(column.span().start),
-                place,
-                &number.to_string(),
-                "a number from 1",
-            )),
-            raw::ColumnRef::Name(_) => {
-                Err(self.refused(Some(column.span().start), place, "it is empty", "a name"))
-            }
+            raw::ColumnRef::Name(name) if name.trim().is_empty() => refused("it is empty", "a name"),
+            raw::ColumnRef::Name(name) => Ok(ColumnRef::Name(name.trim().to_owned())),
+            raw::ColumnRef::Number(number @ 1..=10_000) => Ok(ColumnRef::Index(*number as usize - 1)),
+            raw::ColumnRef::Number(number) => refused(&number.to_string(), "a number from 1"),
         }
     }
 
-    fn number(
+    pub(super) fn number(
         &self,
         value: &Option<Spanned<f64>>,
         place: &str,
@@ -397,6 +302,27 @@ impl Checker<'_> {
         }
     }
 
+    /// One of some words, which must stand there; `at` is where its table begins.
+    pub(super) fn one_of<T: Clone>(
+        &self,
+        value: &Option<Spanned<String>>,
+        place: &str,
+        at: usize,
+        words: &[(&str, T)],
+    ) -> Result<T, Error> {
+        let word = self.word(value, place)?;
+        let known = words.iter().find(|(known, _)| Some(*known) == word);
+        known.map(|(_, meaning)| meaning.clone()).ok_or_else(|| {
+            let found = word.map_or("it is missing".to_owned(), shown);
+            let known: Vec<String> = words.iter().map(|(known, _)| format!("\"{known}\"")).collect();
+            let needed = match known.as_slice() {
+                [others @ .., last] => format!("{} or {last}", others.join(", ")),
+                [] => String::new(),
+            };
+            self.refused(span(value).or(Some(at)), place, &found, &needed)
+        })
+    }
+
     /// A word that is not empty, where there is one.
     pub(super) fn word<'v>(
         &self,
@@ -404,12 +330,10 @@ impl Checker<'_> {
         place: &str,
     ) -> Result<Option<&'v str>, Error> {
         match value.as_ref().map(|value| value.get_ref().as_str()) {
-            Some("") => Err(self.refused(
-                span(value),
-                place,
-                "it is empty",
-                "a word, or no such line at all",
-            )),
+            Some("") => {
+                let needed = "a word, or no such line at all";
+                Err(self.refused(span(value), place, "it is empty", needed))
+            }
             word => Ok(word),
         }
     }

@@ -1,15 +1,15 @@
-//! What a profile says, checked.
-
-use encoding_rs::Encoding;
-use jiff::tz::TimeZone;
+//! What a profile says, checked, and what it reads.
 
 use super::glob::Glob;
-use crate::Timestamp;
-use crate::formats::stamp::DateOrder;
+use crate::Reading;
+use crate::formats::error::{ReadError, quoted};
+use crate::formats::plain_table::PlainTable;
+use crate::formats::sheet_cells::is_workbook;
+use crate::formats::spreadsheet::Spreadsheet;
+use crate::formats::{self, Format, ReadContext, sheet_cells, unpacking};
 use crate::table::Answers;
-use crate::text::grid::Dialect;
-use ieap_domain::Quantity;
-use ieap_domain::unit::Conversion;
+use crate::text::decode;
+use crate::text::lines::lines_of;
 
 /// How the files of one source are read.
 #[derive(Debug, Clone)]
@@ -34,147 +34,82 @@ pub struct Profile {
     pub(super) contains: Vec<String>,
     /// Whether it goes before a vendor's format that recognises the file for certain.
     pub over_vendor: bool,
-    pub(super) container: Container,
-    pub(super) header: HeaderPlace,
-    /// Lines between the names and the first row of readings.
-    pub(super) lines_after_header: usize,
-    pub(super) time: TimeBase,
-    /// Whether time zero is the voltage step.
-    pub(super) time_zero_is_step: bool,
-    pub(super) start: Option<StartLine>,
-    pub(super) columns: Vec<Column>,
-}
-
-/// What holds the table.
-#[derive(Debug, Clone)]
-pub(super) enum Container {
-    /// A delimited text.
-    Text {
-        /// Encoding; none where it is found.
-        encoding: Option<&'static Encoding>,
-        dialect: Dialect,
-        /// What comment lines begin with; empty where there are none.
-        comment: String,
-    },
-    /// Whatever the reader of tables takes, which asks what it leaves open: these are the answers.
-    Answers(Answers),
-    /// A sheet of a workbook.
-    Sheet {
-        /// Its name; none takes the first that fits.
-        name: Option<String>,
-    },
-}
-
-/// Where the names of the columns stand.
-#[derive(Debug, Clone)]
-pub(super) enum HeaderPlace {
-    /// On that line (or row of a sheet), from 1.
-    Line(usize),
-    /// On the first line that holds the text.
-    Contains(String),
-    /// Nowhere: columns go by number.
-    None,
-}
-
-/// A column by its name or its number.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum ColumnRef {
-    /// The text of the header's cell.
-    Name(String),
-    /// From 0.
-    Index(usize),
-}
-
-/// What times the rows.
-#[derive(Debug, Clone)]
-pub(super) enum TimeBase {
-    /// Numbers since any moment.
-    Elapsed {
-        column: ColumnRef,
-        unit: String,
-        conversion: Conversion,
-    },
-    /// Numbers since 1970 in UTC.
-    Epoch {
-        column: ColumnRef,
-        unit: String,
-        conversion: Conversion,
-    },
-    /// Dates with times of day, in one column or two.
-    Clock {
-        column: ColumnRef,
-        date_column: Option<ColumnRef>,
-        order: DateOrder,
-        zone: Option<TimeZone>,
-    },
-    /// Times of day without a date; midnight may pass.
-    TimeOfDay { column: ColumnRef },
-    /// Nothing: rows follow each other after this many seconds.
-    Interval { interval_s: f64 },
-}
-
-/// The line before the table that states a date.
-#[derive(Debug, Clone)]
-pub(super) struct StartLine {
-    pub begins: String,
-    pub order: DateOrder,
-    pub kind: Timestamp,
-}
-
-/// A column with a meaning.
-#[derive(Debug, Clone)]
-pub(super) struct Column {
-    pub column: ColumnRef,
-    pub quantity: Quantity,
-    pub unit: String,
-    pub conversion: Conversion,
-    /// What readings are multiplied by before their unit converts, such as the sensitivity of a sensor.
-    pub factor: Option<f64>,
-    pub position_mm: Option<f64>,
-}
-
-impl ColumnRef {
-    /// As messages show it.
-    pub fn shown(&self) -> String {
-        match self {
-            ColumnRef::Name(name) => format!("column {}", crate::formats::error::quoted(name)),
-            ColumnRef::Index(index) => format!("column {}", index + 1),
-        }
-    }
-}
-
-impl TimeBase {
-    /// The columns that time is read from.
-    pub fn columns(&self) -> Vec<&ColumnRef> {
-        match self {
-            TimeBase::Elapsed { column, .. }
-            | TimeBase::Epoch { column, .. }
-            | TimeBase::TimeOfDay { column } => vec![column],
-            TimeBase::Clock {
-                column, date_column, ..
-            } => std::iter::once(column).chain(date_column).collect(),
-            TimeBase::Interval { .. } => Vec::new(),
-        }
-    }
-
-    /// Whether its cells are texts.
-    pub fn is_text(&self) -> bool {
-        matches!(self, TimeBase::Clock { .. } | TimeBase::TimeOfDay { .. })
-    }
+    /// What it answers to what the reader of tables asks, or states in its place.
+    pub(super) answers: Answers,
 }
 
 impl Profile {
     /// Version of the reader that obeys profiles: raised when the same bytes would read differently.
-    pub const READER_VERSION: u32 = 2;
+    pub const READER_VERSION: u32 = 3;
 
     /// How runs and files name it as their format: `profile:laser@1a2b3c4d5e6f`, the last part from the digest.
     pub fn format(&self) -> String {
         format!("profile:{}@{}", self.id, &self.digest[..12])
     }
 
-    /// Every column that it names, the time's first.
-    pub(super) fn named_columns(&self) -> impl Iterator<Item = &ColumnRef> {
-        let columns = self.columns.iter().map(|column| &column.column);
-        self.time.columns().into_iter().chain(columns)
+    /// Whether the file is one that this profile reads; if not, why.
+    ///
+    /// A text is judged by its first bytes, a workbook as a whole.
+    pub fn fits(&self, name: &str, bytes: &[u8]) -> Result<(), String> {
+        /// Bytes that a text is judged by.
+        const HEAD: usize = 64 << 10;
+        if self.name.as_ref().is_some_and(|glob| !glob.fits(name)) {
+            return Err("the file has another name".to_owned());
+        }
+        let head = &bytes[..bytes.len().min(HEAD)];
+        let in_words = |error: ReadError| error.to_string();
+        let Some(stated) = self.answers.table() else {
+            return self.contains_all(&decode(head).text);
+        };
+        match (stated.is_sheet(), is_workbook(bytes)) {
+            (true, true) => {
+                let sheets = sheet_cells::read(bytes, unpacking::MOST).map_err(in_words)?;
+                stated.sheet(&sheets).map(|_| ()).map_err(in_words)
+            }
+            (true, false) => Err("it is no workbook".to_owned()),
+            (false, true) => Err("it is no text".to_owned()),
+            (false, false) => {
+                let decoded = stated.decoded(head);
+                if decoded.text.contains('\0') {
+                    return Err("it is no text".to_owned());
+                }
+                self.contains_all(&decoded.text)?;
+                let mut lines = lines_of(&decoded.text);
+                lines.pop_if(|line| !line.ended);
+                stated.place(&lines).map(|_| ()).map_err(in_words)
+            }
+        }
+    }
+
+    fn contains_all(&self, text: &str) -> Result<(), String> {
+        match self.contains.iter().find(|wanted| !text.contains(*wanted)) {
+            Some(missing) => Err(format!("{} does not stand in it", quoted(missing))),
+            None => Ok(()),
+        }
+    }
+
+    /// Reads a whole file: by the reader of tables, with what the profile answers.
+    ///
+    /// # Errors
+    /// No table can be had from the bytes; everything less is an issue of the reading.
+    pub fn read(&self, bytes: &[u8], context: &ReadContext) -> Result<Reading, ReadError> {
+        let mut context = context.clone();
+        context.answers = context.answers.with(&self.answers);
+        if self.answers.table().is_none() {
+            return formats::read("table", bytes, &context);
+        }
+        context.needs_response = false;
+        let reader: &dyn Format = if is_workbook(bytes) {
+            &Spreadsheet
+        } else {
+            &PlainTable
+        };
+        Ok(Reading {
+            format: "profile",
+            reader_version: Profile::READER_VERSION,
+            technique: self.technique.clone(),
+            is_step_response: self.step_response,
+            ..reader.read(bytes, &context)?
+        })
     }
 }

@@ -1,18 +1,18 @@
 //! What the rows of a file show of its layout, for a profile: the reader of tables' own findings, also where they do not
 //! suffice to read it.
 
+use crate::formats::ReadContext;
 use crate::formats::sheet_cells::Sheet;
 use crate::formats::stamp::DateOrder;
 use crate::profiles::policy::ROWS_ASKED;
 use crate::table::kind::{self, Kind};
-use crate::table::numbers::{Found, Writing};
+use crate::table::layout::Layout;
 use crate::table::shape::Shape;
-use crate::table::{layout, order, sheet, start};
-use crate::text::grid::{Dialect, is_blank_or_comment};
+use crate::table::{self, Table, layout, order, sheet, start};
+use crate::text::grid::Dialect;
 use crate::text::header::Header;
 use crate::text::names::names_time;
-use crate::text::number::unquote;
-use crate::text::{Cell, Decimal, Line, Lines, NumberForm, decode, number};
+use crate::text::{Decimal, Line, Lines, decode};
 use ieap_domain::Quantity;
 
 /// What was seen.
@@ -128,70 +128,46 @@ fn guess(lines: &[Line<'_>]) -> Option<Guess> {
     let shapes = layout::shapes(lines)
         .into_iter()
         .filter(|shape| shape.kinds.len() >= 2 && numbers(shape) > 0);
-    let shape = shapes.max_by_key(|shape| (shape.known, numbers(shape)))?;
-    let rows = rows(&shape, lines);
-    if rows.len() < 2 {
+    let mut shape = shapes.max_by_key(|shape| (shape.known, numbers(shape)))?;
+    let width = shape.kinds.len().max(shape.names.len());
+    shape.names.resize(width, String::new());
+    // Where several forms of numbers fit, the plainest.
+    let form = layout::numbers(&shape, lines, usize::MAX, &ReadContext::default());
+    let layout = Layout {
+        dialect: Dialect {
+            delimiter: shape.delimiter,
+            numbers: form.map_or(Decimal::Point.into(), |(form, _)| form),
+        },
+        shape,
+        own_numbers: Vec::new(),
+        stated: None,
+    };
+    let shape = &layout.shape;
+    let table = table::read(lines, &layout, shape.data_at..lines.len(), |_| false);
+    if table.cells.rows() < 2 {
         return None;
     }
-    let numbers = form(&shape, lines);
     let header_line = shape.names_at.map_or(0, |at| lines[at].number);
-    let width = shape.kinds.len().max(shape.names.len());
-    let mut names = shape.names.clone();
-    names.resize(width, String::new());
-    let time = time(numbers, &names, &shape, &rows);
     Some(Guess {
-        dialect: Some(Dialect {
-            delimiter: shape.delimiter,
-            numbers,
-        }),
+        dialect: Some(layout.dialect),
         encoding: None,
         sheet: None,
         header_line,
         names_line: None,
         lines_after_header: lines[shape.data_at].number - header_line - 1,
         is_number: (0..width)
-            .map(|column| shape.kinds.get(column) == Some(&Kind::Number))
+            .map(|column| table.kind(column) == Kind::Number)
             .collect(),
-        names,
+        names: shape.names.clone(),
         units: shape.units.clone(),
-        time,
+        time: time(&table),
         start: None,
     })
 }
 
-fn rows<'a>(shape: &Shape, lines: &[Line<'a>]) -> Vec<Vec<&'a str>> {
-    let data = lines[shape.data_at..]
-        .iter()
-        .filter(|line| !is_blank_or_comment(line.text));
-    let cells = |line: &Line<'a>| {
-        let mut cells = Vec::new();
-        shape
-            .delimiter
-            .split(line.text, |_, cell| cells.push(unquote(cell)));
-        cells
-    };
-    data.map(cells).collect()
-}
-
-/// The form of the numbers; where several fit, the plainest.
-fn form(shape: &Shape, lines: &[Line<'_>]) -> NumberForm {
-    let mut writing = Writing::new(shape.kinds.len());
-    for line in lines[shape.data_at..]
-        .iter()
-        .filter(|line| !is_blank_or_comment(line.text))
-    {
-        shape
-            .delimiter
-            .split(line.text, |index, cell| writing.add(index, line.number, cell));
-    }
-    match writing.decide(shape.delimiter, None, None) {
-        Found::One(form) => form,
-        _ => Decimal::Point.into(),
-    }
-}
-
-fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -> Option<TimeGuess> {
-    let of_kind = |kind: Kind| (0..names.len()).filter(move |at| shape.kinds.get(*at) == Some(&kind));
+fn time(table: &Table<'_>) -> Option<TimeGuess> {
+    let Shape { names, units, .. } = &table.layout.shape;
+    let of_kind = |kind: Kind| (0..names.len()).filter(move |at| table.kind(*at) == kind);
     let mut candidates: Vec<usize> = of_kind(Kind::Number)
         .filter(|at| names_time(&names[*at]))
         .collect();
@@ -199,17 +175,12 @@ fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -
     candidates.sort_by_key(|&at| names[at].chars().count() == 1);
     // Numbers that rise come first: a clock beside them is the same time again, with fewer digits.
     for &index in &candidates {
-        let numbers = rows
-            .iter()
-            .filter_map(|row| match number::parse_in(row.get(index)?, form) {
-                Cell::Number(number) => Some(number),
-                _ => None,
-            });
-        let found: Vec<f64> = numbers.collect();
+        let numbers = table.cells.columns[index].numbers.iter().copied();
+        let found: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
         if found.len() < 2 || found.windows(2).any(|pair| pair[1] < pair[0]) {
             continue;
         }
-        let unit = shape.units.get(index).filter(|unit| !unit.is_empty());
+        let unit = units.get(index).filter(|unit| !unit.is_empty());
         return Some(match found[0] {
             first if (1e9..1e11).contains(&first) => TimeGuess::Epoch { index, unit: "s" },
             first if (1e12..1e14).contains(&first) => TimeGuess::Epoch { index, unit: "ms" },
@@ -232,9 +203,8 @@ fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -
             .map(DateOrder::key)
             .collect::<Vec<&'static str>>()
     };
-    let cell = |row: &Vec<&str>, at: usize| row.get(at).copied().unwrap_or("").to_owned();
     if let Some(index) = of_kind(Kind::Moment).next() {
-        let orders = orders(&mut rows.iter().map(|row| cell(row, index)));
+        let orders = orders(&mut table.texts_of(index).into_iter().map(str::to_owned));
         return Some(TimeGuess::Clock {
             index,
             date: None,
@@ -243,11 +213,8 @@ fn time(form: NumberForm, names: &[String], shape: &Shape, rows: &[Vec<&str>]) -
     }
     let clock = of_kind(Kind::Clock).next();
     if let (Some(date), Some(index)) = (of_kind(Kind::Date).next(), clock) {
-        let orders = orders(
-            &mut rows
-                .iter()
-                .map(|row| format!("{} {}", cell(row, date), cell(row, index))),
-        );
+        let rows = table.texts_of(date).into_iter().zip(table.texts_of(index));
+        let orders = orders(&mut rows.map(|(date, clock)| format!("{date} {clock}")));
         return Some(TimeGuess::Clock {
             index,
             date: Some(date),

@@ -12,12 +12,9 @@ mod load;
 mod policy;
 mod propose;
 mod raw;
-mod read;
 mod refused;
-mod table;
 #[cfg(test)]
 mod tests;
-mod time;
 
 pub use choose::{Choice, Claim, Reader, choose, read};
 pub use definition::Profile;

@@ -4,9 +4,11 @@ use std::fmt::Write;
 
 use super::guess::{Guess, TimeGuess, guess_sheet, guess_text};
 use crate::formats::error::ReadError;
+use crate::formats::sheet_cells::is_workbook;
 use crate::formats::{sheet_cells, unpacking};
 use crate::table::Answers;
-use crate::text::Decimal;
+use crate::table::columns;
+use crate::table::numbers::decimal_word;
 use crate::text::header::{Header, Meaning, leave_lone_phases};
 use crate::text::likely::headed_by_unit;
 use ieap_domain::Quantity;
@@ -70,10 +72,6 @@ pub fn answered(name: &str, bytes: &[u8], answers: &Answers) -> Result<Proposal,
         text,
         open: Vec::new(),
     })
-}
-
-fn is_workbook(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0")
 }
 
 /// The line that names the columns of a text.
@@ -155,10 +153,7 @@ fn layout(text: &mut String, guess: &Guess) {
     match &guess.dialect {
         Some(dialect) => {
             let separator = dialect.delimiter.label();
-            let decimal = match dialect.numbers.decimal {
-                Decimal::Point => "point",
-                Decimal::Comma => "comma",
-            };
+            let decimal = decimal_word(dialect.numbers.decimal);
             let _ = writeln!(text, "separator = \"{separator}\"\ndecimal = \"{decimal}\"");
             // Found anew in each file where it is left out.
             let _ = writeln!(text, "# encoding = \"{}\"", guess.encoding.unwrap_or("utf-8"));
@@ -275,15 +270,15 @@ fn time(text: &mut String, guess: &Guess, open: &mut Vec<String>) {
 
 /// What the names and units of all columns say.
 fn headers(guess: &Guess) -> Vec<Header> {
-    let header = |(index, name): (usize, &String)| {
-        let parsed = Header::parse(name);
-        match guess.units.get(index).filter(|unit| !unit.is_empty()) {
-            Some(unit) if parsed.raw_unit.is_empty() => Header::with_unit(name, unit),
-            Some(_) => parsed,
-            None => headed_by_unit(name, name).unwrap_or(parsed),
+    let names: Vec<&str> = guess.names.iter().map(String::as_str).collect();
+    let units = (!guess.units.is_empty()).then_some(guess.units.as_slice());
+    let mut headers = columns::headers(&names, units);
+    // A unit alone may head a column of a table that nobody else names.
+    for header in headers.iter_mut().filter(|header| header.raw_unit.is_empty()) {
+        if let Some(by_unit) = headed_by_unit(&header.raw_name, &header.raw_name) {
+            *header = by_unit;
         }
-    };
-    let mut headers: Vec<Header> = guess.names.iter().enumerate().map(header).collect();
+    }
     let mut meanings: Vec<Meaning> = headers.iter().map(|header| header.meaning.clone()).collect();
     leave_lone_phases(&mut meanings);
     for (header, meaning) in headers.iter_mut().zip(meanings) {

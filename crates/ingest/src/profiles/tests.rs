@@ -422,3 +422,112 @@ fn a_column_that_is_read_less_often_than_the_others_is_one_of_the_table() {
         .collect();
     assert_eq!(lengths, [60, 60, 20], "{}", proposal.text);
 }
+
+/// A profile of dates under `Zeit` and a current under `Strom`, with what else is stated.
+fn of_dates(layout: &str, time: &str) -> String {
+    format!(
+        "[profile]\nversion = 1\n[layout]\n{layout}\n[time]\nbase = \"clock\"\ncolumn = \"Zeit\"\n{time}\n\
+         [[column]]\ncolumn = \"Strom\"\nquantity = \"current\"\nunit = \"mA\"\n"
+    )
+}
+
+#[test]
+fn the_order_that_is_stated_counts_against_all_that_the_rows_show() {
+    // Day first, the rows would follow each other by a day.
+    let log = b"Zeit;Strom\n01/02/2026 10:00:00;1\n02/02/2026 10:00:00;2\n03/02/2026 10:00:00;3\n";
+    let layout = "separator = \"semicolon\"\ndecimal = \"point\"\nheader_line = 1";
+    let read = |order: &str| {
+        let reading = read_with(&of_dates(layout, &format!("order = \"{order}\"")), "a.txt", log);
+        reading.tables[0]
+            .time_first_last_s
+            .map(|(_, last)| last / 86_400.0)
+    };
+    assert_eq!((read("day-first"), read("month-first")), (Some(2.0), Some(59.0)));
+    let none = of_dates(layout, "order = \"year-first\"");
+    let refused = profile(&none).read(log, &ReadContext::default()).unwrap_err();
+    assert!(
+        refused
+            .to_string()
+            .contains("3 of 3 rows hold no date and time, year first"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_row_in_anothers_place_costs_no_more_than_itself() {
+    let layout = "separator = \"semicolon\"\ndecimal = \"point\"\nheader_line = 1";
+    let dates = of_dates(layout, "order = \"day-first\"");
+    let counted = dates.replace("\"clock\"", "\"elapsed\"");
+    let counted = counted.replace("order = \"day-first\"", "unit = \"s\"");
+    let mut seconds: Vec<u32> = (0..60).collect();
+    seconds.swap(20, 21);
+    seconds.swap(40, 41);
+    let table = |time: &dyn Fn(&u32) -> String| {
+        let rows = seconds.iter().map(|second| format!("{};1\n", time(second)));
+        format!("Zeit;Strom\n{}", rows.collect::<String>())
+    };
+    let (moments, numbers) = (
+        table(&|second| format!("05.02.2026 10:00:{second:02}")),
+        table(&u32::to_string),
+    );
+    for (text, log) in [(dates, moments), (counted, numbers)] {
+        let reading = read_with(&text, "a.csv", log.as_bytes());
+        assert_eq!(reading.tables[0].channels[0].len(), 58);
+        let codes: Vec<&str> = reading.issues.iter().map(|issue| issue.code.as_str()).collect();
+        assert!(codes.contains(&"time-not-increasing"), "{codes:?}");
+    }
+}
+
+#[test]
+fn a_sheet_is_read_as_its_profile_says() {
+    use crate::formats::sheet_writer::Xml::{Date, Number, Text};
+    use crate::formats::sheet_writer::{sheet, workbook};
+    let notes = sheet(&[&[Text("notes of the day")]]);
+    let readings = sheet(&[
+        &[Text("Messung 7")],
+        &[Text("Zeit"), Text("Strom"), Text("Bemerkung"), Text("Weg")],
+        &[Text("-"), Text("mA"), Text("-"), Text("V")],
+        &[Date(46082.5), Text("1,5"), Text("erste"), Number(0.5)],
+        &[
+            Date(46082.5 + 1.0 / 86_400.0),
+            Text("2,5"),
+            Text("#2"),
+            Number(1.0),
+        ],
+    ]);
+    let bytes = workbook(&[notes, readings]);
+    let layout = "kind = \"sheet\"\nheader_line = 2\nlines_after_header = 1";
+    let text = of_dates(layout, "order = \"day-first\"\nzone = \"+02:00\"")
+        + "[[column]]\ncolumn = 4\nquantity = \"tip_displacement\"\nunit = \"mm\"\nfactor = 3.0\n";
+    let reading = read_with(&text, "a.xlsx", &bytes);
+    let table = &reading.tables[0];
+    assert_eq!(table.time_first_last_s, Some((0.0, 1.0)));
+    let values = |at: usize| table.channels[at].values.to_vec();
+    assert_eq!((values(0), values(1)), (vec![1.5e-3, 2.5e-3], vec![1.5, 3.0]));
+    let start = reading.started_at.unwrap();
+    assert_eq!(
+        (start.local.as_deref(), start.offset.as_deref()),
+        (Some("2026-03-01T12:00:00"), Some("+02:00"))
+    );
+    let other = text.replace("\"Strom\"", "\"Spannung\"");
+    assert!(profile(&other).fits("a.xlsx", &bytes).is_err());
+}
+
+#[test]
+fn what_a_profile_leaves_open_is_found_or_answered_as_in_any_table() {
+    let text = LASER.replace("base = \"epoch\"", "base = \"elapsed\"");
+    let log = b"Messung vom;13.05.2026 10:20:30\r\nEpoch (ms);Distance1\r\n1.000;1,5\r\n2.000;2,5\r\n3.000.000;3\r\n";
+    let answered = format!("{text}[answers]\nstart = \"none\"\nthousands = \"point\"\n");
+    let reading = read_with(&answered, "a.csv", log);
+    assert_eq!(reading.tables[0].time_first_last_s, Some((1.0, 3000.0)));
+    assert_eq!(reading.started_at, None);
+    let only_end = answered.replace("\"none\"", "\"end\"");
+    let end = read_with(&only_end, "a.csv", log).started_at.unwrap();
+    assert_eq!(
+        (end.local.as_deref(), end.kind),
+        (Some("2026-05-13T10:20:30"), crate::Timestamp::End)
+    );
+    // Where the names stand again, a logger was started anew.
+    let twice = b"Epoch (ms);Distance1\n0;1,5\n500;2,5\nEpoch (ms);Distance1\n0;3\n500;4\n";
+    assert_eq!(read_with(&text, "a.csv", twice).tables.len(), 2);
+}

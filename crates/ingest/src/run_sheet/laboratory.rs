@@ -256,15 +256,9 @@ impl Laid<'_> {
     /// What each column states: by its name, else by what its cells are; of two that state one thing the plainer counts.
     fn columns(&self) -> Vec<Option<Column>> {
         let mut columns: Vec<Option<Column>> = self.names.iter().map(Name::column).collect();
-        let filled = self
-            .rows
-            .iter()
-            .filter(|row| row.iter().any(|cell| !cell.trim().is_empty()));
-        let filled = filled.count();
         for (at, column) in columns.iter_mut().enumerate() {
             let names_files = matches!(column, Some(Column::Text("file")));
-            if names_files && 2 * self.cells(at).count() < filled {
-                // `End Of File` is an event of a logger.
+            if names_files && !self.holds_files(at) {
                 *column = None;
             } else if !names_files && self.mostly(at, is_file) {
                 *column = Some(Column::Text("file"));
@@ -289,6 +283,18 @@ impl Laid<'_> {
         }
         self.leave_doubles(&mut columns);
         columns
+    }
+
+    /// Whether the cells of a column that is named so are files: each run has its own, and runs that are still to come have none.
+    /// `End Of File` of a logger is an event: one word, which is the name of nothing.
+    fn holds_files(&self, at: usize) -> bool {
+        let words: BTreeSet<&str> = self.cells(at).collect();
+        let is_name = |word: &&str| is_file(word) || word.contains(|c: char| c.is_ascii_digit());
+        let mut of_one = words
+            .first()
+            .into_iter()
+            .filter(|word| self.rows.len() == 1 || is_name(word));
+        words.len() > 1 || of_one.next().is_some()
     }
 
     /// The one column whose words are parts of the names of files.
@@ -351,7 +357,30 @@ impl Laid<'_> {
             keys::VOLTAGE_V,
             keys::RELATIVE_HUMIDITY_PERCENT,
         ];
-        !self.names.iter().any(is_own) && has("file") && tells.iter().any(|key| has(key))
+        !self.names.iter().any(is_own)
+            && has("file")
+            && tells.iter().any(|key| has(key))
+            && !self.is_log(columns)
+    }
+
+    /// Whether more rows are readings than name a file: they hold numbers, and neither a file nor of what the run would be.
+    fn is_log(&self, columns: &[Option<Column>]) -> bool {
+        let holds = |row: &Vec<String>, is_so: &dyn Fn(&Column) -> bool| {
+            let of_row = row.iter().zip(columns);
+            let mut filled = of_row.filter(|(cell, _)| !cell.trim().is_empty());
+            filled.any(|(_, column)| column.as_ref().is_some_and(is_so))
+        };
+        let is_number = |column: &Column| matches!(column, Column::Number(..));
+        let names_run = |column: &Column| ["file", keys::SAMPLE, keys::ENVIRONMENT].contains(&column.key());
+        let readings = self
+            .rows
+            .iter()
+            .filter(|row| holds(row, &is_number) && !holds(row, &names_run));
+        let files = self
+            .rows
+            .iter()
+            .filter(|row| holds(row, &|column| column.key() == "file"));
+        readings.count() > files.count()
     }
 
     fn rewritten(&self, columns: &[Option<Column>]) -> Option<Rewritten> {

@@ -220,6 +220,24 @@ fn a_text_of_a_laboratory_is_one_and_a_table_of_readings_is_none() {
     );
     assert_eq!(rows[0].tag("relative_humidity_percent"), Some("35.5"));
     assert!(!is_sheet("a.csv", b"Zeit;Probe;U [V]\n0;1;2\n"));
+    // A plan of which little was measured yet is one all the same; a logger's event is no file, however often it stands there.
+    let to_come = "1;S2;Luft;\n2;S3;Luft;\n3;S4;Luft;\n4;S5;Luft;\n";
+    for (file, is_one) in [("lauf-7", true), ("ende", false)] {
+        let plan = format!("Nr;Probe;Umgebung;Datei\n0;S1;Luft;{file}\n{to_come}");
+        assert_eq!(is_sheet("Messplan.csv", plan.as_bytes()), is_one, "{file}");
+    }
+    for event in ["Logged", "LD0029.CSV", "LD{k}.CSV"] {
+        let end = |k: usize| {
+            if k % 4 == 3 {
+                event.replace("{k}", &k.to_string())
+            } else {
+                String::new()
+            }
+        };
+        let rows: String = (0..16).map(|k| format!("{k};{};{}\n", 35 + k, end(k))).collect();
+        let log = format!("Nr;rF (%);Datei\n{rows}");
+        assert!(!is_sheet("log.csv", log.as_bytes()), "{event}");
+    }
     let log = "Plot Title: a\n#,\"Date Time, GMT+02:00\",\"RH, %\",End Of File\n1,05/17/26 10:00:00 AM,41.5,Logged\n";
     assert!(!is_sheet("log.csv", log.as_bytes()));
 }

@@ -6,6 +6,7 @@ use jiff::tz::TimeZone;
 
 use super::kind::Kind;
 use super::read::Table;
+use super::zone::shown;
 use crate::formats::climate::moments::Moments;
 use crate::formats::stamp::DateOrder;
 use crate::table::policy::{LATEST_WITHOUT_WITNESS_S, OUR_TIME_S, WITNESS_WITHIN_S};
@@ -97,6 +98,16 @@ pub struct Epoch {
     count: Count,
 }
 
+impl Epoch {
+    /// That of a column that is stated to count units of so many seconds from 1970.
+    pub fn stated(column: usize, unit_s: f64) -> Epoch {
+        Epoch {
+            column,
+            count: since_1970(unit_s),
+        }
+    }
+}
+
 /// The moments that it gives.
 pub struct EpochWall {
     /// The columns spent on it.
@@ -173,12 +184,7 @@ pub fn wall(table: &Table<'_>, epoch: Epoch, local: Option<(Vec<usize>, DateTime
         columns.extend(local_columns);
         let minutes = (local.duration_since(utc).as_secs_f64() / 60.0).round() as i64;
         if minutes.abs() <= 14 * 60 {
-            let sign = if minutes < 0 { '-' } else { '+' };
-            offset = Some(format!(
-                "{sign}{:02}:{:02}",
-                minutes.abs() / 60,
-                minutes.abs() % 60
-            ));
+            offset = Some(shown(minutes));
             moment = local;
         }
     }

@@ -90,10 +90,13 @@ pub fn is_gap(text: &str) -> bool {
 pub fn is_moment(text: &str) -> bool {
     let text = &*in_digits(text);
     let date = crate::formats::climate::moments::with_offset(text).map_or(text, |(date, _)| date);
-    date.contains([':', 'T', 't', '.', ' '])
-        && DateOrder::ALL
-            .into_iter()
-            .any(|order| civil(date, order).is_some())
+    date.contains([':', 'T', 't', '.', ' ']) && is_moment_in(date, &DateOrder::ALL)
+}
+
+/// Whether a text is a date with a time of day in one of these orders.
+pub fn is_moment_in(text: &str, orders: &[DateOrder]) -> bool {
+    let date = crate::formats::climate::moments::with_offset(text).map_or(text, |(date, _)| date);
+    orders.iter().any(|order| civil(date, *order).is_some())
 }
 
 /// How a number is written: which marks stand in it, and how many digits between them.

@@ -4,9 +4,10 @@
 
 use super::columns::headers;
 use super::kind::{Kind, kind};
-use super::numbers::{Found, Writing};
+use super::numbers::{Found, Writing, decimal_word};
 use super::policy::ROWS_ASKED;
 use super::shape::{Shape, sample, shape};
+use super::stated::AsStated;
 use crate::formats::ReadContext;
 use crate::formats::assemble::{is_modulus_sweep, is_spectrum};
 use crate::formats::error::{ReadError, quoted};
@@ -28,14 +29,27 @@ pub struct Layout {
     pub shape: Shape,
     /// How the numbers of each column are written, where columns differ; else empty.
     pub own_numbers: Vec<NumberForm>,
+    /// What a profile states of it.
+    pub stated: Option<AsStated>,
 }
 
 impl Layout {
     /// The columns as their names and units describe them.
     pub fn headers(&self) -> Vec<Header> {
+        if let Some(stated) = &self.stated {
+            return stated.headers.clone();
+        }
         let names: Vec<&str> = self.shape.names.iter().map(String::as_str).collect();
         let units = (!self.shape.units.is_empty()).then_some(self.shape.units.as_slice());
         headers(&names, units)
+    }
+
+    /// Whether a line holds no reading.
+    pub fn is_no_reading(&self, text: &str) -> bool {
+        match &self.stated {
+            Some(stated) => stated.is_no_reading(text),
+            None => is_blank_or_comment(text),
+        }
     }
 
     /// Ranges of lines of readings: one, or several where the names stand again because a logger was started anew.
@@ -65,7 +79,7 @@ impl Layout {
         let ends = parts.iter().skip(1).map(|part| part.start).chain([lines.len()]);
         let gaps = parts.iter().zip(ends).map(|(part, end)| part.end..end);
         let is_other = |at: &usize| {
-            !is_blank_or_comment(lines[*at].text)
+            !self.is_no_reading(lines[*at].text)
                 && lines[*at].text.trim() != lines[self.shape.names_at.unwrap_or(0)].text.trim()
         };
         let mut others = gaps.flatten().filter(is_other);
@@ -80,7 +94,7 @@ impl Layout {
 
     /// The end of a part without the lines behind it that are no rows, such as `Logging to: LD0029.CSV`.
     fn without_foot(&self, lines: &[Line<'_>], part: std::ops::Range<usize>) -> usize {
-        let is_row = |at: &usize| self.is_row(lines[*at].text);
+        let is_row = |at: &usize| self.stated.is_some() || self.is_row(lines[*at].text);
         part.clone()
             .rev()
             .find(is_row)
@@ -127,6 +141,7 @@ impl Layout {
         };
         let is_timed = |width: &usize| names[..*width].iter().any(|name| names_time(name));
         let width = (2..=names.len().div_ceil(2)).find(|width| repeats(width) && is_timed(width));
+        let width = width.filter(|_| self.stated.is_none());
         let (Some(width), Some(names_at)) = (width.filter(|width| *width < names.len()), self.shape.names_at)
         else {
             return Vec::new();
@@ -160,6 +175,9 @@ impl Layout {
     /// # Errors
     /// They contradict each other, or can be read in two ways.
     pub fn ask_all(&mut self, lines: &[Line<'_>], context: &ReadContext) -> Result<(), ReadError> {
+        if self.stated.is_some() {
+            return Ok(());
+        }
         (self.dialect.numbers, self.own_numbers) = numbers(&self.shape, lines, usize::MAX, context)?;
         Ok(())
     }
@@ -170,10 +188,22 @@ impl Layout {
 /// # Errors
 /// No line names what times the rows, no row follows, no delimiter fits, or the numbers can be read in several ways.
 pub fn decide(lines: &[Line<'_>], context: &ReadContext) -> Result<Layout, ReadError> {
+    if let Some(stated) = context.answers.table() {
+        let (mut dialect, shape, stated) = stated.place(lines)?;
+        let is_decimal = |mark: &Group| mark.label() == decimal_word(dialect.numbers.decimal);
+        dialect.numbers.group = group_answered(context).flatten().filter(|mark| !is_decimal(mark));
+        return Ok(Layout {
+            dialect,
+            shape,
+            own_numbers: Vec::new(),
+            stated: Some(stated),
+        });
+    }
     let shape = best_shape(lines)?;
     let (numbers, own_numbers) = numbers(&shape, lines, ROWS_ASKED, context)?;
     Ok(Layout {
         own_numbers,
+        stated: None,
         dialect: Dialect {
             delimiter: shape.delimiter,
             numbers,
@@ -370,7 +400,10 @@ fn rows<'l, 'a>(shape: &Shape, lines: &'l [Line<'a>]) -> impl Iterator<Item = &'
 }
 
 /// The form of the numbers of a shape, by its first `most` rows; that of each column, where they differ.
-fn numbers(
+///
+/// # Errors
+/// The numbers contradict each other, or can be read in several ways.
+pub fn numbers(
     shape: &Shape,
     lines: &[Line<'_>],
     most: usize,
@@ -389,13 +422,7 @@ fn numbers(
         Some("comma") => Some(Decimal::Comma),
         _ => None,
     };
-    let group = context.answers.of("thousands").map(|word| match word {
-        "comma" => Some(Group::Comma),
-        "point" => Some(Group::Point),
-        "apostrophe" => Some(Group::Apostrophe),
-        "blank" => Some(Group::Space),
-        _ => None,
-    });
+    let group = group_answered(context);
     match writing.decide(shape.delimiter, decimal, group) {
         Found::One(form) => Ok((form, Vec::new())),
         Found::Each(forms) => Ok((forms[0], forms)),
@@ -415,6 +442,13 @@ fn numbers(
             },
         }),
     }
+}
+
+/// The marks between thousands that somebody answered.
+fn group_answered(context: &ReadContext) -> Option<Option<Group>> {
+    let marks = [Group::Comma, Group::Point, Group::Apostrophe, Group::Space];
+    let word = context.answers.of("thousands")?;
+    Some(marks.into_iter().find(|mark| mark.label() == word))
 }
 
 /// Whether a time column among two cells or more can be used; none where there is no such column. The frequency of a

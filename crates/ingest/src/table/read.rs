@@ -17,7 +17,7 @@ use crate::formats::error::ReadError;
 use crate::formats::policy::GAP_FACTOR;
 use crate::formats::stamp::{self, DateOrder};
 use crate::text::Line;
-use crate::text::grid::{is_blank_or_comment, push_line_in};
+use crate::text::grid::push_line_in;
 use crate::text::header::Header;
 use crate::text::names::is_unit_of_time;
 use crate::text::number::unquote;
@@ -74,7 +74,7 @@ pub fn read<'a>(
     let mut texts: BTreeMap<usize, Vec<&str>> = BTreeMap::new();
     let text_columns: Vec<usize> = (0..is_text.len()).filter(|column| is_text[*column]).collect();
     let mut first_row = Vec::new();
-    for line in lines[part].iter().filter(|line| !is_blank_or_comment(line.text)) {
+    for line in lines[part].iter().filter(|line| !layout.is_no_reading(line.text)) {
         if first_row.is_empty() {
             layout
                 .dialect
@@ -95,6 +95,9 @@ pub fn read<'a>(
                 *last = unquote(text);
             }
         });
+    }
+    if let Some(stated) = &layout.stated {
+        stated.scale(&mut cells);
     }
     // Names may be taken over several lines, the date's among them.
     let above: Vec<&str> = lines[..shape.data_at.min(lines.len())]

@@ -39,7 +39,8 @@ fn finite(numbers: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
         .filter(|(_, number)| number.is_finite())
 }
 
-/// Rows in which a clock starts anew: it goes back and then counts on from there, where a glitch is a row by itself.
+/// Rows in which a clock starts anew: it goes back and then counts on from there, through time that has passed already. A row by
+/// itself is a glitch, or stands in another's place.
 fn restarts(numbers: &[f64]) -> Vec<usize> {
     let finite: Vec<(usize, f64)> = finite(numbers).collect();
     let mut found = Vec::new();
@@ -51,7 +52,8 @@ fn restarts(numbers: &[f64]) -> Vec<usize> {
         }
         let run = &finite[at..(at + RESTART_ROWS).min(finite.len())];
         let counts_on = run.len() == RESTART_ROWS && run.windows(2).all(|pair| pair[1].1 > pair[0].1);
-        if counts_on && *number < finite[at - 1].1 {
+        let again = run.get(1).is_some_and(|(_, next)| *next <= latest);
+        if counts_on && again && *number < finite[at - 1].1 {
             found.push(*row);
             latest = *number;
         }

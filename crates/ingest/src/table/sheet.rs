@@ -97,10 +97,9 @@ fn text(row: &SheetRow, days: &BTreeSet<u32>, decimal: Decimal, columns: u32) ->
             {
                 text.trim().replace(',', ".")
             }
-            (None, SheetCell::Text(text) | SheetCell::Date(text) | SheetCell::Error(text)) => {
-                let plain = text.replace(|c: char| c.is_control() || c == '"', " ");
-                plain.trim().to_owned()
-            }
+            (None, SheetCell::Text(text) | SheetCell::Date(text)) => plain(text),
+            // No number, whatever went wrong.
+            (None, SheetCell::Error(_)) => "NaN".to_owned(),
         };
     }
     while column < last {
@@ -108,6 +107,12 @@ fn text(row: &SheetRow, days: &BTreeSet<u32>, decimal: Decimal, columns: u32) ->
         column += 1;
     }
     text
+}
+
+/// A text as it stands between tabs.
+pub fn plain(text: &str) -> String {
+    let plain = text.replace(|c: char| c.is_control() || c == '"', " ");
+    plain.trim().to_owned()
 }
 
 /// The days of `date 46082.5`, as cells of dates are kept.
@@ -187,12 +192,17 @@ mod tests {
                 date(1430.0 / 1440.0),
                 SheetCell::Date("duration 1.125".to_owned()),
             ],
-            &[date(46083.0), date(0.0), word("0,5")],
+            &[
+                date(46083.0),
+                date(0.0),
+                word("0,5"),
+                SheetCell::Error("#DIV/0!".to_owned()),
+            ],
         ];
         let written = texts(&sheet(&rows), usize::MAX);
         assert_eq!(
             written,
-            ["2026-03-01\t23:50:00\t27:00:00", "2026-03-02\t00:00:00\t0.5"]
+            ["2026-03-01\t23:50:00\t27:00:00", "2026-03-02\t00:00:00\t0.5\tNaN"]
         );
     }
 

@@ -7,7 +7,10 @@ use crate::formats::stamp::{self, DateOrder};
 use crate::table::Answers;
 use crate::table::dates_above::{dated, says_no_start};
 use crate::table::order::orders;
+use crate::table::stated::StartLine;
+use crate::table::zone::shown;
 use crate::{StartedAt, Timestamp};
+use ieap_domain::Issue;
 
 /// What a line begins with that says when a run began, in small letters, the longer first.
 const STARTS: &str = "startzeitpunkt;startzeit;startdatum;start date/time;start time;start date;start_time;started at;started;\
@@ -27,7 +30,7 @@ pub fn after_word(line: &str) -> Option<(&'static str, &str)> {
 
 /// Marks between such a word and its date.
 pub fn is_mark(c: char) -> bool {
-    c.is_whitespace() || "\";,:=\t'".contains(c)
+    c.is_whitespace() || "\";,:=|\t'".contains(c)
 }
 
 /// The start that lines above a table state: behind a word for it, else the one full date that stands there, whatever is before
@@ -40,6 +43,28 @@ pub fn stated<'l>(head: impl Iterator<Item = &'l str>, stated: Option<DateOrder>
         of_date(rest.trim_matches(is_mark), stated)
     });
     named.or_else(|| the_one_above(&lines, stated))
+}
+
+/// The date of the line that a profile names.
+pub fn behind<'l>(
+    head: impl Iterator<Item = &'l str>,
+    wanted: &StartLine,
+    issues: &mut Vec<Issue>,
+) -> Option<StartedAt> {
+    let after = |line: &'l str| {
+        line.trim()
+            .trim_start_matches('"')
+            .strip_prefix(wanted.begins.as_str())
+    };
+    let Some(rest) = head.into_iter().find_map(after) else {
+        let message = format!("no line begins with {}", quoted(&wanted.begins));
+        issues.push(Issue::warning("date-uncertain", message).at("[start] line_begins"));
+        return None;
+    };
+    let date = rest.trim_matches(is_mark);
+    let (start, issue) = stamp::in_order(date, wanted.order, wanted.kind, "as the profile says");
+    issues.extend(issue);
+    Some(start)
 }
 
 /// A start that no word names, as somebody answered what it is.
@@ -111,10 +136,7 @@ pub fn of_date(date: &str, stated: Option<DateOrder>) -> Option<StartedAt> {
         None => (date, None),
     };
     let local = order.and_then(|order| stamp::civil(bare, order));
-    let offset = offset_s.map(|offset_s| {
-        let (sign, minutes) = (if offset_s < 0 { '-' } else { '+' }, offset_s.abs() / 60);
-        format!("{sign}{:02}:{:02}", minutes / 60, minutes % 60)
-    });
+    let offset = offset_s.map(|offset_s| shown(offset_s / 60));
     Some(StartedAt {
         raw: date.to_owned(),
         kind: Timestamp::Start,

@@ -3,16 +3,19 @@
 //! A time is taken when the file says its unit or its form, or when another column shows it. Where elapsed time and wall clock
 //! of the same rows contradict each other a person is asked.
 
+use jiff::tz::TimeZone;
+
 use super::duration::{self, Fields, TwoFields};
 use super::kind::Kind;
 use super::order::{in_name, taken};
 use super::question::Question;
 use super::read::{Settled, Table};
 use super::rows;
+use super::stated_times;
 use crate::formats::ReadContext;
-use crate::formats::climate::moments::{Moments, NoOrder, moments};
+use crate::formats::climate::moments::{Moments, NoOrder, moments_in};
 use crate::formats::error::{ReadError, quoted};
-use crate::formats::policy::BAD_SHARE;
+use crate::formats::policy::{BAD_SHARE, GOING_BACK_SHARE};
 use crate::formats::stamp::{DateOrder, in_digits};
 use crate::table::policy::{CLOCK_RESOLUTIONS, CLOCKS_AGREE_SHARE};
 use crate::text::header::{Header, Meaning};
@@ -23,14 +26,14 @@ use ieap_domain::words::in_a_row;
 use ieap_domain::{Issue, Quantity};
 
 /// An elapsed time: its column and its numbers, with the unit that the file states.
-struct Elapsed {
-    column: usize,
-    numbers: Vec<f64>,
-    stated: Option<Conversion>,
+pub(super) struct Elapsed {
+    pub column: usize,
+    pub numbers: Vec<f64>,
+    pub stated: Option<Conversion>,
 }
 
 /// A wall clock: the columns that it stands in, and the moments of the rows.
-struct Wall {
+pub(super) struct Wall {
     columns: Vec<usize>,
     moments: Moments,
     /// Which rows have a moment.
@@ -49,6 +52,9 @@ pub fn settle(
     context: &ReadContext,
     issues: &mut Vec<Issue>,
 ) -> Result<Settled, ReadError> {
+    if let Some((stated, placed)) = context.answers.table().zip(table.layout.stated.clone()) {
+        return stated_times::settle(table, (stated, &placed), context, issues);
+    }
     let wall = wall(table, context, issues)?;
     let elapsed = elapsed(table, wall.as_ref(), context, issues)?;
     match (elapsed, wall) {
@@ -59,7 +65,7 @@ pub fn settle(
 }
 
 /// The rows are timed by the elapsed time; the wall clock is its witness and gives the start.
-fn with_elapsed(
+pub(super) fn with_elapsed(
     table: &mut Table<'_>,
     mut elapsed: Elapsed,
     wall: Option<Wall>,
@@ -274,7 +280,7 @@ fn time_by(table: &mut Table<'_>, column: usize, conversion: Conversion) {
 }
 
 /// The rows are timed by the wall clock, in seconds from the first.
-fn by_wall(table: &mut Table<'_>, wall: Wall) -> Settled {
+pub(super) fn by_wall(table: &mut Table<'_>, wall: Wall) -> Settled {
     let [at, others @ ..] = wall.columns.as_slice() else {
         return Settled::default();
     };
@@ -466,7 +472,7 @@ fn two_fields(
 }
 
 /// Times of day that go back by most of a day have passed midnight.
-fn past_midnight(seconds: &mut [f64], issues: &mut Vec<Issue>) {
+pub(super) fn past_midnight(seconds: &mut [f64], issues: &mut Vec<Issue>) {
     const DAY_S: f64 = 86_400.0;
     let (mut days, mut before) = (0.0, f64::NEG_INFINITY);
     for second in seconds.iter_mut().filter(|second| second.is_finite()) {
@@ -531,7 +537,14 @@ fn wall(
         _ => None,
     };
     let mut wall = match found {
-        Some((columns, texts)) => Some(by_dates(table, columns, &texts, context, issues)?),
+        Some((columns, texts)) => {
+            let dates = Dates {
+                orders: &DateOrder::ALL,
+                order: context.date_order,
+                zone: None,
+            };
+            Some(by_dates(table, columns, &texts, dates, issues)?)
+        }
         None => None,
     };
     if let Some(epoch) = epoch {
@@ -561,42 +574,69 @@ fn named_order(name: &str, orders: &[DateOrder]) -> Option<(DateOrder, &'static 
     Some((order, ", as the name of the column states"))
 }
 
+/// How dates may be read.
+#[derive(Clone, Copy)]
+pub(super) struct Dates<'d> {
+    /// In one of these orders of day, month and year.
+    pub orders: &'d [DateOrder],
+    /// The order that counts where several fit.
+    pub order: Option<DateOrder>,
+    /// Where the clock stood, where that is known.
+    pub zone: Option<&'d TimeZone>,
+}
+
+/// What is wrong with a column of which more than a twentieth of the cells are none of what it must hold, and the first of them.
+pub(super) fn unread<'t>(
+    texts: &'t [impl AsRef<str>],
+    reads: impl Fn(&str) -> bool,
+    needed: &str,
+) -> Option<(String, &'t str)> {
+    let filled = texts
+        .iter()
+        .map(AsRef::as_ref)
+        .filter(|text| !text.trim().is_empty());
+    let unread: Vec<&str> = filled.filter(|text| !reads(text)).collect();
+    let rows = texts.len();
+    let are_many = unread.len() > 1 && unread.len() as f64 > BAD_SHARE * rows as f64;
+    let found = format!("{} of {rows} rows hold no {needed}", unread.len());
+    are_many.then(|| (found, unread[0]))
+}
+
+fn no_dates(table: &Table<'_>, column: usize, found: &str, first: &str) -> ReadError {
+    ReadError::AmbiguousDates {
+        line: table.cells.line_of_row.first().map_or(0, |line| *line as usize),
+        column: quoted(&table.headers[column].raw_name),
+        found: format!("{found}, first {}", quoted(first)),
+        first: first.to_owned(),
+    }
+}
+
 /// The moments of dates under the one order that fits all of them; the newest may come first.
-fn by_dates(
+pub(super) fn by_dates(
     table: &mut Table<'_>,
     columns: Vec<usize>,
     texts: &[String],
-    context: &ReadContext,
+    Dates { orders, order, zone }: Dates<'_>,
     issues: &mut Vec<Issue>,
 ) -> Result<Wall, ReadError> {
-    let is_date = |text: &&String| super::kind::is_moment(text);
-    let mut at: Vec<usize> = (0..texts.len()).filter(|row| is_date(&&texts[*row])).collect();
+    let is_date = |text: &str| super::kind::is_moment_in(&in_digits(text), orders);
+    let mut at: Vec<usize> = (0..texts.len()).filter(|row| is_date(&texts[*row])).collect();
     let mut dates: Vec<&str> = at.iter().map(|row| texts[*row].as_str()).collect();
-    let unread: Vec<&String> = texts
-        .iter()
-        .filter(|text| !text.trim().is_empty() && !super::kind::is_moment(text))
-        .collect();
-    let line = table.cells.line_of_row.first().map_or(0, |line| *line as usize);
+    if let Some((found, first)) = unread(texts, is_date, "date") {
+        return Err(no_dates(table, columns[0], &found, first));
+    }
+    // An order that is stated is no guess that rows in disorder speak against; more going back than forward are newest first.
+    let is_stated = orders.len() < DateOrder::ALL.len();
+    let back = if is_stated { 0.5 } else { GOING_BACK_SHARE };
     let name = table.headers[columns[0]].raw_name.clone();
-    let refused = |reason: String, first: &str| ReadError::AmbiguousDates {
-        line,
-        column: quoted(&name),
-        found: format!("{reason}, first {}", quoted(first)),
-        first: first.to_owned(),
-    };
-    if unread.len() > 1 && unread.len() as f64 > BAD_SHARE * texts.len() as f64 {
-        return Err(refused(
-            format!("{} of {} rows hold no date", unread.len(), texts.len()),
-            unread[0],
-        ));
-    }
+    let refused = |table: &Table<'_>, found: &str, first: &str| no_dates(table, columns[0], found, first);
     if dates.is_empty() {
-        return Err(refused("no row holds a date".to_owned(), ""));
+        return Err(refused(table, "no row holds a date", ""));
     }
-    let mut found = moments(&dates, &DateOrder::ALL);
+    let mut found = moments_in(&dates, orders, zone, back);
     if found == Err(NoOrder::Fits) {
         dates.reverse();
-        found = moments(&dates, &DateOrder::ALL);
+        found = moments_in(&dates, orders, zone, back);
         if found != Err(NoOrder::Fits) {
             let rows = texts.len();
             at = at.into_iter().rev().map(|row| rows - 1 - row).collect();
@@ -610,31 +650,29 @@ fn by_dates(
     let (moments, reason) = match found {
         Ok(found) => (found, String::new()),
         Err(NoOrder::Fits) => {
-            let reason =
-                "no order of day, month and year makes all rows dates that follow each other".to_owned();
-            return Err(refused(reason, texts.first().map_or("", String::as_str)));
+            let reason = "no order of day, month and year makes all rows dates that follow each other";
+            return Err(refused(table, reason, texts.first().map_or("", String::as_str)));
         }
         Err(NoOrder::Several(orders)) => {
-            match named_order(&name, &orders).or_else(|| taken(dates[0], &orders, context.date_order)) {
-                Some((order, reason)) => match moments(&dates, &[order]) {
+            match named_order(&name, &orders).or_else(|| taken(dates[0], &orders, order)) {
+                Some((order, reason)) => match moments_in(&dates, &[order], zone, back) {
                     Ok(found) => (found, reason.to_owned()),
-                    Err(_) => return Err(refused("no order fits".to_owned(), dates[0])),
+                    Err(_) => return Err(refused(table, "no order fits", dates[0])),
                 },
                 None => {
                     let orders: Vec<&str> = orders.into_iter().map(DateOrder::words).collect();
-                    return Err(refused(
-                        format!("{} fit all rows alike", in_a_row(&orders)),
-                        dates[0],
-                    ));
+                    let found = format!("{} fit all rows alike", in_a_row(&orders));
+                    return Err(refused(table, &found, dates[0]));
                 }
             }
         }
     };
-    let offset = if moments.in_utc {
-        Some("+00:00".to_owned())
-    } else {
-        None
-    };
+    let mut moments = moments;
+    let mut offset = moments.in_utc.then(|| "+00:00".to_owned());
+    if let Some((zone, utc)) = zone.zip(TimeZone::UTC.to_timestamp(moments.first).ok()) {
+        moments.first = zone.to_datetime(utc);
+        offset = Some(super::zone::shown(i64::from(zone.to_offset(utc).seconds()) / 60));
+    }
     Ok(Wall {
         columns,
         raw: dates[0].to_owned(),

@@ -14,10 +14,10 @@ use ieap_domain::Issue;
 pub const NOT_UNDERSTOOD: &str = "zone-not-understood";
 
 /// Takes the zone that names of columns or lines above the table state, where the start has none yet.
-pub fn complete<'t>(
+pub fn complete<'t, 'h: 't>(
     started_at: Option<StartedAt>,
     names: impl Iterator<Item = &'t str>,
-    head: impl Iterator<Item = &'t str>,
+    head: impl Iterator<Item = &'h str>,
     issues: &mut Vec<Issue>,
 ) -> Option<StartedAt> {
     let mut start = started_at?;
@@ -26,7 +26,7 @@ pub fn complete<'t>(
     }
     let at: Option<DateTime> = start.moment().and_then(|moment| moment.parse().ok());
     let mut unread = None;
-    for text in names.chain(head) {
+    for text in names.chain(head.map(|line| -> &'t str { line })) {
         match zone_in(text, at.unwrap_or_default()) {
             Found::Nothing => {}
             Found::Offset(offset) => {
@@ -118,7 +118,7 @@ fn after_utc(lower: &str) -> Option<i64> {
 }
 
 /// Minutes of an offset at the beginning of a text: `+02:00`, `+0200`, `-7`, `+5.5`, `+2 h`.
-fn offset(text: &str) -> Option<i64> {
+pub(crate) fn offset(text: &str) -> Option<i64> {
     let sign = match text.as_bytes().first()? {
         b'+' => 1,
         b'-' => -1,
@@ -177,7 +177,8 @@ fn after_word(lower: &str) -> Option<i64> {
         .find_map(|(at, _)| offset(&lower[at..]))
 }
 
-fn shown(minutes: i64) -> String {
+/// An offset from UTC as it is kept: `+02:00`.
+pub(super) fn shown(minutes: i64) -> String {
     let sign = if minutes < 0 { '-' } else { '+' };
     format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60)
 }

@@ -1,6 +1,7 @@
 //! The moments of a logger's rows: dates in the order that fits all of them, offsets, and a clock set back.
 
 use jiff::civil::DateTime;
+use jiff::tz::TimeZone;
 
 use crate::formats::policy::{DOUBT_BITS, GOING_BACK_SHARE};
 use crate::formats::stamp::{self, DateOrder};
@@ -40,6 +41,19 @@ pub enum NoOrder {
 /// # Errors
 /// No order fits, or two fit about equally well.
 pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder> {
+    moments_in(texts, orders, None, GOING_BACK_SHARE)
+}
+
+/// As [`moments`], of a clock in a zone (the moments are in UTC then), of whose rows a share may go back.
+///
+/// # Errors
+/// As [`moments`].
+pub fn moments_in(
+    texts: &[&str],
+    orders: &[DateOrder],
+    zone: Option<&TimeZone>,
+    most_back: f64,
+) -> Result<Moments, NoOrder> {
     let mut read_as: Vec<(f64, DateOrder, Vec<DateTime>)> = Vec::new();
     let in_utc = texts.first().is_some_and(|text| with_offset(text).is_some());
     for &order in orders {
@@ -48,14 +62,14 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
                 let span = jiff::SignedDuration::from_secs(offset_s);
                 stamp::civil(date, order)?.checked_sub(span).ok()
             }
-            (false, None) => stamp::civil(text, order),
+            (false, None) => utc_in(zone, stamp::civil(text, order)?),
             _ => None,
         };
         let Some(read) = texts.iter().map(read).collect::<Option<Vec<DateTime>>>() else {
             continue;
         };
         let back = read.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        if back as f64 > (GOING_BACK_SHARE * read.len() as f64).max(1.0) {
+        if back as f64 > (most_back * read.len() as f64).max(1.0) {
             continue;
         }
         read_as.push((price(&read), order, read));
@@ -69,12 +83,21 @@ pub fn moments(texts: &[&str], orders: &[DateOrder]) -> Result<Moments, NoOrder>
         0 => Err(NoOrder::Fits),
         1 => {
             let (_, order, read) = read_as.remove(0);
-            Ok(elapsed(order, &read, in_utc))
+            Ok(elapsed(order, &read, in_utc || zone.is_some()))
         }
         _ => Err(NoOrder::Several(
             read_as.into_iter().map(|(_, order, _)| order).collect(),
         )),
     }
+}
+
+/// What a clock shows, in UTC where its zone is known.
+fn utc_in(zone: Option<&TimeZone>, local: DateTime) -> Option<DateTime> {
+    let Some(zone) = zone else {
+        return Some(local);
+    };
+    let zoned = local.to_zoned(zone.clone()).ok()?;
+    Some(TimeZone::UTC.to_datetime(zoned.timestamp()))
 }
 
 /// What the steps of rows tell against an order of their dates, in bits: the usual step costs nothing, any other as much as it
