@@ -487,6 +487,23 @@ fn the_python_package_is_built_as_the_program_is() {
     assert!(python.contains(version), "python/Cargo.toml has another version");
 }
 
+/// What the workspace says that packages leave out holds of each crate.
+#[test]
+fn packages_carry_no_tests() {
+    for (name, _) in MAY_USE {
+        let path = house().join("crates").join(name).join("Cargo.toml");
+        let manifest: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+        let excluded = manifest["package"]
+            .get("exclude")
+            .and_then(|own| own.get("workspace"));
+        assert_eq!(
+            excluded,
+            Some(&toml::Value::Boolean(true)),
+            "{name}: `exclude.workspace = true`"
+        );
+    }
+}
+
 /// The wheel is built with --locked: what a crate begins to need has to be in both lists of versions.
 #[test]
 fn the_python_package_locks_what_the_crates_need() {

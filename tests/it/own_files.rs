@@ -98,6 +98,16 @@ fn a_key_that_is_neither_known_nor_declared_is_refused_by_tag_and_said_by_status
     let campaign = format!("{CAMPAIGN_TOML}\n[tags]\nextra = [\"specimen\"]\n");
     folder.write("campaign.toml", campaign);
     folder.ieap(&["tag", "runs/a.csv", "specimen=4"]).expect(0);
+    // A tag looks again at the runs that it speaks of; the next run at all of them.
+    let undeclared = |folder: &CampaignFolder| {
+        let status = folder.ieap(&["status", "--json"]).expect(0).json();
+        let told = status["status"]["undeclared_tags"].as_array().unwrap().iter();
+        let of_specimen = told.filter(|told| told.to_string().contains("specimen"));
+        of_specimen.map(|told| told["paths"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(undeclared(&folder), [serde_json::json!(["runs/b.csv"])]);
+    folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    assert_eq!(undeclared(&folder), [] as [serde_json::Value; 0]);
     let status = folder.ieap(&["status"]).expect(0);
     assert!(
         status.stdout.contains("write `relative_humidity_percent`"),

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use ieap_show::{FrameCells, FrameColumn, Printed};
-use serde_json::{Map, Value};
+use serde_json::{Map, Number, Value};
 
 /// Words of a list: JSON in files, with `between` them for people.
 pub fn list<S: AsRef<str>>(words: &[S], between: &str) -> Printed<String> {
@@ -12,7 +12,7 @@ pub fn list<S: AsRef<str>>(words: &[S], between: &str) -> Printed<String> {
     Printed(serde_json::json!(words).to_string(), printed.into())
 }
 
-/// Its rows. A missing number is null; yes and no are `flag` of them, for a database has 1 and 0.
+/// Its rows. A missing number is null; yes and no are `flag` of them.
 pub fn rows(table: &[FrameColumn], flag: fn(bool) -> Value) -> impl Iterator<Item = Value> {
     let cell = move |cells: &FrameCells, row: usize| match cells {
         FrameCells::Texts(cells) => cells[row].as_deref().into(),
@@ -29,15 +29,83 @@ pub fn rows(table: &[FrameColumn], flag: fn(bool) -> Value) -> impl Iterator<Ite
     })
 }
 
+/// The same as they are written, for whoever only hands them on; yes and no are `flags` of them, for a database has 1 and 0.
+pub fn texts(table: &[FrameColumn], flags: [&'static str; 2]) -> impl Iterator<Item = String> {
+    let quoted = |text: &str| Value::from(text).to_string();
+    let number = |number: f64| Number::from_f64(number).map_or(NULL.to_owned(), |number| number.to_string());
+    let cell = move |cells: &FrameCells, row: usize| match cells {
+        FrameCells::Texts(cells) => cells[row].as_deref().map(quoted),
+        FrameCells::Numbers(cells) => cells[row].map(number),
+        FrameCells::Counts(cells) => cells[row].map(|count| count.to_string()),
+        FrameCells::Flags(cells) => cells[row].map(|is_so| flags[usize::from(is_so)].to_owned()),
+    };
+    let keys: Vec<String> = table.iter().map(|column| quoted(&column.name)).collect();
+    let height = table.first().map_or(0, |column| column.cells.len());
+    (0..height).map(move |row| {
+        let mut text = String::from("{");
+        for (column, key) in table.iter().zip(&keys) {
+            if text.len() > 1 {
+                text.push(',');
+            }
+            text.push_str(key);
+            text.push(':');
+            text.push_str(cell(&column.cells, row).as_deref().unwrap_or(NULL));
+        }
+        text.push('}');
+        text
+    })
+}
+
+const NULL: &str = "null";
+
 /// Writes `table` to `out` as an array, one row a line, as pandas and DuckDB read it.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write(table: &[FrameColumn], out: &mut dyn Write) -> io::Result<()> {
     out.write_all(b"[")?;
-    for (at, row) in rows(table, Value::Bool).enumerate() {
+    for (at, row) in texts(table, ["false", "true"]).enumerate() {
         let start = if at == 0 { "\n" } else { ",\n" };
         write!(out, "{start}{row}")?;
     }
     out.write_all(b"\n]\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_written_as_their_values_are() {
+        let column = |name: &str, cells| FrameColumn {
+            name: name.to_owned(),
+            quantity: String::new(),
+            headed_unit: String::new(),
+            cells,
+        };
+        let words = ["a \"b\"", "\u{a0}µ\n"].map(|text| Some(text.to_owned()));
+        let table = [
+            column(
+                "words",
+                FrameCells::Texts(words.into_iter().chain([None]).collect()),
+            ),
+            column(
+                "numbers",
+                FrameCells::Numbers(vec![Some(-1.182e-5), Some(20.0), Some(f64::NAN)]),
+            ),
+            column("counts", FrameCells::Counts(vec![Some(-3), None, Some(i64::MAX)])),
+            column(
+                "flags \"\"",
+                FrameCells::Flags(vec![Some(true), Some(false), None]),
+            ),
+        ];
+        let expected: Vec<String> = rows(&table, Value::Bool).map(|row| row.to_string()).collect();
+        assert_eq!(texts(&table, ["false", "true"]).collect::<Vec<_>>(), expected);
+        let in_database = rows(&table, |flag| i32::from(flag).into()).map(|row| row.to_string());
+        assert_eq!(
+            texts(&table, ["0", "1"]).collect::<Vec<_>>(),
+            in_database.collect::<Vec<_>>()
+        );
+        assert_eq!(texts(&[], ["0", "1"]).count(), 0);
+    }
 }

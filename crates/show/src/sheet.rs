@@ -161,13 +161,23 @@ pub(crate) struct SheetColumn<'s, R> {
     printed: bool,
 }
 
-/// A table as people see it, and all of its columns as files have them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TableAndFrame {
-    /// What people see.
-    pub table: Table,
-    /// What files have.
-    pub frame: Frame,
+/// What a sheet with columns for files is made into: a table as people see it, or the frame of all columns. Who asks for one
+/// does not pay for the other.
+pub trait Made: Sized {
+    /// That of these rows.
+    fn of<R>(sheet: &Sheet<R>, rows: &[R]) -> Self;
+}
+
+impl Made for Table {
+    fn of<R>(sheet: &Sheet<R>, rows: &[R]) -> Table {
+        sheet.table_of(rows)
+    }
+}
+
+impl Made for Frame {
+    fn of<R>(sheet: &Sheet<R>, rows: &[R]) -> Frame {
+        sheet.frame_of(rows)
+    }
 }
 
 /// Columns over rows of a kind.
@@ -303,13 +313,9 @@ impl<'s, R> Sheet<'s, R> {
         self.table_of(&rows.into_iter().collect::<Vec<R>>())
     }
 
-    /// The same with the frame of all columns.
-    pub fn both(&self, rows: impl IntoIterator<Item = R>) -> TableAndFrame {
-        let rows: Vec<R> = rows.into_iter().collect();
-        TableAndFrame {
-            table: self.table_of(&rows),
-            frame: self.frame_of(&rows),
-        }
+    /// The table of these rows, or the frame of all columns: what is asked for.
+    pub fn made<M: Made>(&self, rows: impl IntoIterator<Item = R>) -> M {
+        M::of(self, &rows.into_iter().collect::<Vec<R>>())
     }
 
     fn printed(&self) -> impl Iterator<Item = &SheetColumn<'s, R>> {

@@ -27,7 +27,15 @@ pub(super) fn json_in<T: serde::de::DeserializeOwned>(
     column: &str,
     what: &'static str,
 ) -> Result<T, StepError> {
-    Ok(from_json(what, &row.get::<_, String>(column)?)?)
+    Ok(from_json(what, text_in(row, column)?)?)
+}
+
+/// A column's text where it lies: documents are long, and read at every look.
+pub(super) fn text_in<'r>(row: &'r Row<'_>, column: &str) -> rusqlite::Result<&'r str> {
+    let at = row.as_ref().column_index(column)?;
+    let value = row.get_ref(at)?;
+    let wrong = |error| rusqlite::Error::FromSqlConversionFailure(at, value.data_type(), Box::new(error));
+    value.as_str().map_err(wrong)
 }
 
 /// A stored text as JSON of `T`.

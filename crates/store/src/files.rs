@@ -82,6 +82,19 @@ impl Store {
         Ok(files.to_vec())
     }
 
+    /// Those of these paths that are known, each looked up by itself.
+    ///
+    /// # Errors
+    /// See [`StoreError`].
+    pub fn files_of(&self, paths: &[String]) -> Result<Vec<FileRow>, StoreError> {
+        let mut files = Vec::with_capacity(paths.len());
+        for path in paths {
+            let rest = ("", "WHERE path = ?1");
+            files.extend(self.kept("looking for a file", SOURCE_FILE, rest, [path], read_file)?);
+        }
+        Ok(files)
+    }
+
     /// The files that are there and were refused or wait, by path.
     ///
     /// # Errors

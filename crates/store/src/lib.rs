@@ -47,6 +47,7 @@ mod snapshot;
 mod standing;
 mod store;
 mod table_by_table;
+mod tag_sources;
 #[cfg(test)]
 mod testing;
 mod transaction;
@@ -74,9 +75,9 @@ pub use place::FILE_NAME;
 pub use published_view::PublishedRows;
 pub use read_files::ReadFile;
 pub use results::{NewResult, ResultDocument, ResultKind, ResultOrigin, StoredResult, Subject};
-pub use runs::TagSources;
 pub use snapshot::Snapshot;
 pub use store::Store;
 pub use table_by_table::{How, LEFT_OUT, RowDiffers};
+pub use tag_sources::TagSources;
 use transaction::Transaction;
 pub use views::has_view;

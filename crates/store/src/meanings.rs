@@ -1,5 +1,8 @@
 //! What columns mean: the one list that the page of the schema and the table of columns are made from.
 
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
 const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
 
 /// Its entries: a column, or a table and its column, with the meaning.
@@ -10,8 +13,12 @@ pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {
 
 /// What is said of a column of the first of these tables or views that has an entry of it; an empty name stands for all.
 pub fn meaning(tables: &[&str], column: &str) -> Option<&'static str> {
-    tables.iter().find_map(|table| {
-        let is_of = |name: &str| name.split_once('.').unwrap_or(("", name)) == (*table, column);
-        meanings().find(|(name, _)| is_of(name)).map(|(_, said)| said)
-    })
+    // Of two entries of one name the first counts.
+    static BY_NAME: LazyLock<HashMap<(&str, &str), &str>> = LazyLock::new(|| {
+        let entries = meanings().collect::<Vec<_>>().into_iter().rev();
+        let named = entries.map(|(name, said)| (name.split_once('.').unwrap_or(("", name)), said));
+        named.collect()
+    });
+    let mut found = tables.iter().filter_map(|table| BY_NAME.get(&(*table, column)));
+    found.next().copied()
 }

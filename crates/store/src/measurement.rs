@@ -211,14 +211,19 @@ pub(super) fn documents<T: serde::de::DeserializeOwned>(
 }
 
 impl RunRow {
+    /// Earlier bytes of it, and those of its files.
+    pub(super) fn earlier_and_files(&self) -> impl Iterator<Item = &str> {
+        let files = self.reading.files.iter().map(|file| file.hash.as_str());
+        let earlier = self.continues.split(BETWEEN).filter(|one| !one.is_empty());
+        earlier.chain(files)
+    }
+
     /// All that words of people may hang on that hold of this run, where these are the measurements of all current runs: its
     /// own bytes, earlier ones that no other run has now, those of its files alone, and its name, as earlier versions of the
     /// program had it.
     pub(super) fn said_of(&self, current: &BTreeSet<&str>) -> Vec<String> {
-        let files = self.reading.files.iter().map(|file| file.hash.as_str());
-        let earlier = self.continues.split(BETWEEN).filter(|one| !one.is_empty());
         let mut of: Vec<String> = vec![self.measurement.clone()];
-        for one in earlier.chain(files).filter(|one| !current.contains(one)) {
+        for one in self.earlier_and_files().filter(|one| !current.contains(one)) {
             if !of.iter().any(|known| known == one) {
                 of.push(one.to_owned());
             }

@@ -17,25 +17,18 @@ struct Present {
     paths: BTreeSet<String>,
     /// Bytes that a copy of another holds.
     copied: BTreeSet<String>,
-    /// Paths of files that are missing.
-    missing: BTreeSet<String>,
 }
 
 impl Present {
     fn of(files: Vec<FileRow>) -> Present {
-        let (mut paths, mut copied, mut missing) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-        for file in files {
-            match (file.missing_since, file.state) {
-                (Some(_), _) => drop(missing.insert(file.path)),
-                (None, FileState::Alias) => copied.extend(file.hash),
-                (None, _) => drop(paths.insert(file.path)),
+        let (mut paths, mut copied) = (BTreeSet::new(), BTreeSet::new());
+        for file in files.into_iter().filter(|file| file.missing_since.is_none()) {
+            match file.state {
+                FileState::Alias => copied.extend(file.hash),
+                _ => drop(paths.insert(file.path)),
             }
         }
-        Present {
-            paths,
-            copied,
-            missing,
-        }
+        Present { paths, copied }
     }
 
     fn lacks(&self, path: &str, hash: &str) -> bool {
@@ -70,16 +63,11 @@ impl Store {
         Ok(runs.iter().map(|run| run.path.clone()).collect())
     }
 
-    /// Row ids of current runs of which no file lies under its name any more, as the journal says of each. Another file may
-    /// hold their bytes.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn runs_without_files(&self) -> Result<BTreeSet<i64>, StoreError> {
-        let _moment = self.snapshot()?;
-        let present = Present::of(self.files()?);
-        let runs = self.runs_of_which_every(|file| present.missing.contains(&file.path))?;
-        Ok(runs.iter().map(|run| run.id).collect())
+    /// Paths of files that are missing.
+    pub(super) fn missing_paths(&self) -> Result<BTreeSet<String>, StoreError> {
+        let files = self.files()?.into_iter();
+        let missing = files.filter(|file| file.missing_since.is_some());
+        Ok(missing.map(|file| file.path).collect())
     }
 
     fn runs_of_which_every(&self, holds: impl Fn(&RunFile) -> bool) -> Result<Vec<Arc<RunRow>>, StoreError> {

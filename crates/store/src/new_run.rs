@@ -10,8 +10,8 @@ use super::columns::{json_in, key_in, to_json};
 use super::rows::{CONTENT, RUN, check};
 use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
-    Channel, ChannelSummary, ClimateCurve, Drive, Issue, RunClimate, RunFile, RunKind, RunOrigin, RunState,
-    RunStatus, Tag,
+    Channel, ChannelSummary, ClimateCurve, Drive, Issue, Quantity, RunClimate, RunFile, RunKind, RunOrigin,
+    RunState, RunStatus, Tag, TagSource,
 };
 
 /// Raw bytes that are archived.
@@ -148,6 +148,7 @@ pub(super) struct ReadDocument {
 
 /// A channel without its readings, and the hash of the blobs that hold them.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "FlatChannel")]
 pub(super) struct ChannelDocument {
     pub ordinal: usize,
     pub hash: String,
@@ -173,10 +174,73 @@ pub(super) struct TagDocument {
 
 /// A tag and whether its value holds.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(from = "FlatTag")]
 pub(super) struct TagOfSource {
     #[serde(flatten)]
     pub tag: Tag,
     pub chosen: bool,
+}
+
+/// A tag as its document has it. Every look at a campaign reads those of all runs, and what is flattened is read twice.
+#[derive(Deserialize)]
+struct FlatTag {
+    key: String,
+    value: String,
+    source: TagSource,
+    detail: String,
+    chosen: bool,
+}
+
+impl From<FlatTag> for TagOfSource {
+    fn from(flat: FlatTag) -> TagOfSource {
+        TagOfSource {
+            tag: Tag {
+                key: flat.key,
+                value: flat.value,
+                source: flat.source,
+                detail: flat.detail,
+            },
+            chosen: flat.chosen,
+        }
+    }
+}
+
+/// A channel as its document has it, for the same reason.
+#[derive(Deserialize)]
+struct FlatChannel {
+    ordinal: usize,
+    hash: String,
+    quantity: Quantity,
+    raw_name: String,
+    raw_unit: String,
+    position_mm: Option<f64>,
+    readings: usize,
+    excluded: usize,
+    first_time_s: Option<f64>,
+    last_time_s: Option<f64>,
+    first: Option<f64>,
+    last: Option<f64>,
+}
+
+impl From<FlatChannel> for ChannelDocument {
+    fn from(flat: FlatChannel) -> ChannelDocument {
+        ChannelDocument {
+            ordinal: flat.ordinal,
+            hash: flat.hash,
+            summary: ChannelSummary {
+                quantity: flat.quantity,
+                raw_name: flat.raw_name,
+                raw_unit: flat.raw_unit,
+                position_mm: flat.position_mm,
+                readings: flat.readings,
+                excluded: flat.excluded,
+                first_time_s: flat.first_time_s,
+                last_time_s: flat.last_time_s,
+                first: flat.first,
+                last: flat.last,
+            },
+        }
+    }
 }
 
 /// A revision of a run as it is stored.
@@ -213,6 +277,11 @@ impl RunRow {
             reading: json_in(row, "reading", "what was read of a run")?,
             tagging: json_in(row, "tagging", "the tags of a run")?,
         })
+    }
+
+    /// What was noticed when it was read and when it was tagged.
+    pub fn issues(&self) -> impl Iterator<Item = &Issue> {
+        self.reading.issues.iter().chain(&self.tagging.issues)
     }
 
     /// The run of that row id; none where it is no current one.

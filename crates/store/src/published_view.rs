@@ -31,8 +31,10 @@ impl Store {
         let put = || -> rusqlite::Result<()> {
             let transaction =
                 rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
-            transaction.execute("DELETE FROM shown", [])?;
-            rows.iter().try_for_each(|rows| insert(&transaction, rows))?;
+            rows.iter().try_for_each(|rows| put_kind(&transaction, rows))?;
+            let kinds: Vec<&str> = rows.iter().map(|(kind, _)| *kind).collect();
+            let sql = "DELETE FROM shown WHERE kind NOT IN (SELECT value FROM json_each(?1))";
+            transaction.execute(sql, [serde_json::json!(kinds).to_string()])?;
             let sql = "UPDATE shown_of SET changes = ?1, made_at = ?2";
             transaction.execute(sql, (changes as i64, now))?;
             transaction.commit()
@@ -55,19 +57,24 @@ impl Store {
             }
             let transaction =
                 rusqlite::Transaction::new_unchecked(&self.connection, TransactionBehavior::Immediate)?;
-            transaction.execute("DELETE FROM shown WHERE kind = ?1", [rows.0])?;
-            insert(&transaction, rows)?;
+            put_kind(&transaction, rows)?;
             transaction.commit()
         };
         put().map_err(|e| self.failed("storing what is shown", e))
     }
 }
 
-fn insert(into: &rusqlite::Transaction<'_>, (kind, documents): &PublishedRows) -> rusqlite::Result<()> {
-    let mut insert = into.prepare_cached("INSERT INTO shown VALUES (?1, ?2, ?3)")?;
+/// Puts the rows of a kind in place of those that stand. What stands as it is is not written again: of a large campaign that
+/// is nearly all.
+fn put_kind(into: &rusqlite::Transaction<'_>, (kind, documents): &PublishedRows) -> rusqlite::Result<()> {
+    let sql = "INSERT INTO shown VALUES (?1, ?2, ?3)
+               ON CONFLICT (kind, ordinal) DO UPDATE SET document = excluded.document WHERE document <> excluded.document";
+    let mut put = into.prepare_cached(sql)?;
     for (ordinal, document) in documents.iter().enumerate() {
-        insert.execute((kind, ordinal as i64, document))?;
+        put.execute((kind, ordinal as i64, document))?;
     }
+    let sql = "DELETE FROM shown WHERE kind = ?1 AND ordinal >= ?2";
+    into.execute(sql, (kind, documents.len() as i64))?;
     Ok(())
 }
 
@@ -89,6 +96,15 @@ mod tests {
             .unwrap();
         assert_eq!(store.shown_of().unwrap(), Some(8));
         assert_eq!(store.changes().unwrap(), before);
+        // What stands as it is is not written again.
+        let written = store.connection.total_changes();
+        let same = [("law", vec![law("C")])];
+        store.put_shown(&same, 8, "2026-01-02T00:00:00Z").unwrap();
+        assert_eq!(
+            store.connection.total_changes() - written,
+            1,
+            "only what they are of"
+        );
         let seen: (String, f64, String) = store
             .connection
             .query_row("SELECT material, p, made_at FROM laws_view", [], |row| {

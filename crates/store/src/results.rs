@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::blob::{packed_json, unpacked_json};
-use super::columns::{from_json, to_json};
+use super::columns::{from_json, text_in, to_json};
 use super::new_run::RunRow;
 use super::rows::RESULT;
 use super::{StepError, Store, StoreError, Transaction};
@@ -460,7 +460,7 @@ fn written<T: ResultDocument>(
 
 /// A result from a row of [`RESULT`].
 fn read<T: ResultDocument>(row: &Row<'_>) -> Result<StoredResult<T>, StepError> {
-    let found = match from_json("a result", &row.get::<_, String>("document")?)? {
+    let found = match from_json("a result", text_in(row, "document")?)? {
         Document::Found(found) => Ok(found),
         Document::Issue(issue) => Err(issue),
     };
@@ -494,7 +494,7 @@ fn stated_drawn_hash(row: &Row<'_>) -> Result<Option<String>, StepError> {
     struct Hash {
         drawn_hash: Option<String>,
     }
-    let document: Document<Hash> = from_json("a result", &row.get::<_, String>("document")?)?;
+    let document: Document<Hash> = from_json("a result", text_in(row, "document")?)?;
     Ok(match document {
         Document::Found(found) => found.drawn_hash,
         Document::Issue(_) => None,

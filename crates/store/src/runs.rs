@@ -10,26 +10,10 @@ use super::new_run::RunRow;
 use super::readings::density_as_current;
 use super::rows::RUN;
 use super::{ResultKind, Store, StoreError};
-use ieap_domain::tag::keys;
 use ieap_domain::{ChannelSummary, Issue, Quantity, RunKind, RunRecord, RunState, Standing};
 
-/// What the tags of a run came from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TagSources {
-    /// Row id of the run.
-    pub run_id: i64,
-    /// The run's name.
-    pub path: String,
-    /// BLAKE3 over everything that its tags came from.
-    pub digest: String,
-    /// Paths of its files, in order.
-    pub files: Vec<String>,
-    /// What words of people hang on that hold of it.
-    pub said_of: Vec<String>,
-}
-
 /// The measurements of runs.
-fn measurements(rows: &[Arc<RunRow>]) -> BTreeSet<&str> {
+pub(super) fn measurements(rows: &[Arc<RunRow>]) -> BTreeSet<&str> {
     rows.iter().map(|run| run.measurement.as_str()).collect()
 }
 
@@ -185,6 +169,13 @@ impl Store {
     /// # Errors
     /// See [`StoreError`].
     pub fn name_of(&self, measurement: &str) -> Result<Option<String>, StoreError> {
+        let rest = "WHERE measurement = ?1 AND superseded_at IS NULL ORDER BY path LIMIT 1";
+        let path = |row: &Row<'_>| Ok(row.get("path")?);
+        // What a current run is hangs on no other.
+        let is_it = self.kept("looking for a measurement", RUN, ("", rest), [measurement], path)?;
+        if let Some(name) = is_it.into_iter().next() {
+            return Ok(Some(name));
+        }
         let said_of = self.said_of_all()?.into_iter();
         let mut named = said_of.filter(|(_, of)| of.iter().any(|of| of == measurement));
         Ok(named.next().map(|(name, _)| name))
@@ -234,23 +225,6 @@ impl Store {
         Ok(names)
     }
 
-    /// What the tags of every current run came from, by path.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn tag_sources(&self) -> Result<Vec<TagSources>, StoreError> {
-        let rows = self.all_current_rows()?;
-        let current = measurements(&rows);
-        let of = |run: &Arc<RunRow>| TagSources {
-            run_id: run.id,
-            path: run.path.clone(),
-            digest: run.tag_digest.clone(),
-            files: run.reading.files.iter().map(|file| file.path.clone()).collect(),
-            said_of: run.said_of(&current),
-        };
-        Ok(rows.iter().map(of).collect())
-    }
-
     /// What words of people hang on that hold of each current run, by its name.
     pub(super) fn said_of_all(&self) -> Result<BTreeMap<String, Vec<String>>, StoreError> {
         let rows = self.all_current_rows()?;
@@ -272,26 +246,6 @@ impl Store {
             |_| vec![path.to_owned()],
             |at| rows[at].said_of(&measurements(&rows)),
         ))
-    }
-
-    /// Row id of every current run, its chosen `started_at`, and the first and last time of its readings, s.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    #[allow(clippy::type_complexity)]
-    pub fn run_times(&self) -> Result<Vec<(i64, Option<String>, Option<(f64, f64)>)>, StoreError> {
-        let times = |run: &Arc<RunRow>| {
-            let summaries = || run.reading.channels.iter().map(|channel| &channel.summary);
-            let first_s = summaries()
-                .filter_map(|channel| channel.first_time_s)
-                .reduce(f64::min);
-            let last_s = summaries()
-                .filter_map(|channel| channel.last_time_s)
-                .reduce(f64::max);
-            let started_at = run.tagging.chosen.get(keys::STARTED_AT).cloned();
-            (run.id, started_at, first_s.zip(last_s))
-        };
-        Ok(self.all_current_rows()?.iter().map(times).collect())
     }
 
     /// Whether the run's clock starts at the voltage step, and whether its technique is a step response.
@@ -334,8 +288,7 @@ impl Store {
     pub fn issues_of_code(&self, code: &str) -> Result<Vec<(String, Issue)>, StoreError> {
         let mut found = Vec::new();
         for row in self.all_current_rows()? {
-            let issues = row.reading.issues.iter().chain(&row.tagging.issues);
-            let of_code = issues.filter(|issue| issue.code == code);
+            let of_code = row.issues().filter(|issue| issue.code == code);
             found.extend(of_code.map(|issue| (row.path.clone(), issue.clone())));
         }
         Ok(found)
@@ -412,7 +365,7 @@ fn record(row: &RunRow) -> RunRecord {
         area_cm2: tagging.area_cm2,
         data_hash: row.data_hash.clone(),
         ingested_at: row.ingested_at.clone(),
-        issues: reading.issues.iter().chain(&tagging.issues).cloned().collect(),
+        issues: row.issues().cloned().collect(),
         fit: None,
         fit_code_version: None,
         climate: tagging.climate.clone(),

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::current::current_findings;
+use super::current::{CurrentFindings, findings_among};
 use super::diagnose::condemned_ahead;
 use crate::analysis::laws::doubt::{Doubts, Findings};
 use crate::analysis::laws::facts::facts;
@@ -16,7 +16,7 @@ use crate::domain::tag::keys;
 use crate::domain::{Alarm, AlarmSign, Campaign, InputHash, RunRecord};
 use crate::numerics::interrupt;
 use crate::pipeline::campaign::context::{CODE_VERSION, now};
-use crate::pipeline::campaign::standing::{self, SetAside};
+use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::command::{self, Ended};
 use crate::pipeline::infra::fault::step;
@@ -63,13 +63,12 @@ pub(crate) fn watched(
 }
 
 /// What the current findings say against the fits of these runs.
-fn doubts(context: &Context, runs: &[RunRecord]) -> Result<Doubts, PipelineError> {
-    let found = current_findings(context)?;
+fn doubts(found: &CurrentFindings, runs: &[RunRecord]) -> Doubts {
     let findings = Findings {
         groups: &found.groups,
         runs: &found.runs,
     };
-    Ok(Doubts::new(findings, runs))
+    Doubts::new(findings, runs)
 }
 
 /// The alarms of a campaign. They are stored with what they depend on, for who only asks for them.
@@ -98,12 +97,17 @@ const VERSION: &str = "alarms/3";
 /// Name of the one result of this kind.
 const OF: &str = "the campaign";
 
-/// The alarms of these runs, which speak: as they are stored, or found anew where that was made of something else.
+/// The alarms of these runs, which speak and of which a diagnosis found this: as they are stored, or found anew where that was
+/// made of something else.
 ///
 /// # Errors
 /// The database cannot be read, or a fault of the program stops the monitoring.
-pub fn alarms(context: &Context, runs: &[RunRecord]) -> Result<Alarms, PipelineError> {
-    alarms_in_doubt(context, runs, &doubts(context, runs)?)
+pub fn alarms(
+    context: &Context,
+    runs: &[RunRecord],
+    found: &CurrentFindings,
+) -> Result<Alarms, PipelineError> {
+    alarms_in_doubt(context, runs, &doubts(found, runs))
 }
 
 fn alarms_in_doubt(context: &Context, runs: &[RunRecord], doubts: &Doubts) -> Result<Alarms, PipelineError> {
@@ -209,8 +213,10 @@ impl RaiseAlarms {
         context: &Context,
         is_new: &dyn Fn(&&Alarm) -> bool,
     ) -> Result<(Vec<RunRecord>, Doubts, Alarms), PipelineError> {
-        let runs = standing::speaking(context)?;
-        let doubted = doubts(context, &runs)?;
+        let all = standing::all(context)?;
+        let findings = findings_among(context, &all)?;
+        let runs = Runs::of(all).speaking;
+        let doubted = doubts(&findings, &runs);
         let found = alarms_in_doubt(context, &runs, &doubted)?;
         let open = |alarm: &&Alarm| !alarm.acknowledged;
         let new = found.alarms.iter().filter(open).filter(is_new);
@@ -222,7 +228,7 @@ impl RaiseAlarms {
             let ahead = condemned_ahead(context, choice, &asked.collect())?;
             if !ahead.is_empty() {
                 let runs = standing::speaking_without(context, ahead)?;
-                let doubted = doubts(context, &runs)?;
+                let doubted = doubts(&findings, &runs);
                 let found = alarms_in_doubt(context, &runs, &doubted)?;
                 return Ok((runs, doubted, found));
             }

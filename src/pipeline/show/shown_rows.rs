@@ -1,8 +1,8 @@
 //! What a report shows, as rows for whoever asks in SQL: the same tables that `ieap table` prints and `ieap export` writes.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::analysis::json_rows::rows;
+use crate::analysis::json_rows;
 use crate::analysis::tables::{NamedTable, Need, TABLES, TableInput, named};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::show::columns::columns_table;
@@ -33,12 +33,12 @@ pub fn shown(input: &report::Input) -> Vec<PublishedRows> {
 }
 
 /// Rows of a frame as a database has them: yes and no are 1 and 0.
-fn in_json(frame: &Frame) -> impl Iterator<Item = Value> {
-    rows(frame, |flag| i32::from(flag).into())
+fn in_json(frame: &Frame) -> impl Iterator<Item = String> {
+    json_rows::texts(frame, ["0", "1"])
 }
 
 fn texts(frame: &Frame) -> Vec<String> {
-    in_json(frame).map(|row| row.to_string()).collect()
+    in_json(frame).collect()
 }
 
 /// The tables of `ieap table` that no view shows otherwise and that a report makes what they need for: their rows, and their
@@ -51,8 +51,8 @@ fn shown_tables(from: &TableInput) -> [PublishedRows; 2] {
         .map(|named| (named.name, named.frame(from)))
         .collect();
     let rows_of = |(name, frame): &(&'static str, Frame)| {
-        let name = *name;
-        let row = move |(at, cells)| json!({ "table": name, "row": at + 1, "cells": cells }).to_string();
+        let head = format!("{{\"table\":{},\"row\":", json!(name));
+        let row = |(at, cells)| format!("{head}{},\"cells\":{cells}}}", at + 1);
         in_json(frame).enumerate().map(row).collect::<Vec<String>>()
     };
     let of_rows = tables.iter().flat_map(rows_of).collect();

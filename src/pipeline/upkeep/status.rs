@@ -23,6 +23,7 @@ use crate::pipeline::campaign::planned::{Planned, planned};
 use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::documents::lengthwise::LumpedOrDistributedEntry;
 use crate::pipeline::findings::alarms::{self, TakenBack};
+use crate::pipeline::findings::current::findings_among;
 use crate::pipeline::findings::diagnose;
 use crate::pipeline::fits::outcome::is_of_failed_fit;
 use crate::pipeline::infra::fault::or_nothing;
@@ -188,6 +189,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
     let planned = planned(context, &all)?;
     let questions = witnesses::questions(&all, &context.campaign);
     let waiting = diagnose::waiting(context, all.clone())?;
+    let found = findings_among(context, &all)?;
     let Runs {
         speaking: runs,
         set_aside,
@@ -235,7 +237,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         })
         .collect();
     let mut faults = report_faults(&context.folder);
-    let watched = or_nothing(alarms::alarms(context, &runs), &mut faults)?;
+    let watched = or_nothing(alarms::alarms(context, &runs, &found), &mut faults)?;
     let paired = paired(context)?;
     let untagged = reasoned(&runs, |run| run.state == RunState::Untagged);
     Ok(Status {

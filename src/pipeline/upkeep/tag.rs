@@ -1,6 +1,6 @@
 //! Sets tags by hand.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,12 +9,10 @@ use crate::domain::tag::keys;
 use crate::domain::{Campaign, FileState, Issue, RunRecord, RunState, Tag, TagSource};
 use crate::ingest::archive;
 use crate::ingest::scan::{is_another, parse_display_path};
-use crate::ingest::tags::{objection, value_objection};
+use crate::ingest::tags::{is_unreadable, objection, value_objection};
 use crate::pipeline::campaign::context::now;
 use crate::pipeline::intake::climate;
-use crate::pipeline::intake::ingest::{
-    IngestSummary, LARGEST_FILE_BYTES, known, retag_runs, together, unreadable_tags,
-};
+use crate::pipeline::intake::ingest::{LARGEST_FILE_BYTES, known, retag_named, together};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{FileRow, HandTag};
 
@@ -81,29 +79,33 @@ impl SetTags {
             }
             Ok(context.store.add_hand_tags(&now, &tags)?)
         })?;
-        let mut retagged = IngestSummary::default();
-        retag_runs(context, &mut retagged, observer)?;
-        let unreadable = unreadable_tags(context)?;
-        let waits = !unreadable.is_empty();
-        for tags in unreadable {
-            observer.warn(&format!(
-                "{}: {}; runs that it tags are tagged again later",
-                tags.issue.place, tags.issue.message
-            ));
+        let mut names = BTreeSet::new();
+        for of in &said_of {
+            names.extend(context.store.name_of(of)?);
         }
+        retag_named(context, &names, observer)?;
         let shelf = climate::Shelf::open(&context.store)?;
         climate::assess(context, &shelf)?;
-        let mut summaries = Vec::with_capacity(said_of.len());
+        let mut stored = Vec::with_capacity(said_of.len());
         for of in &said_of {
             // One that another program took out since is not there to be shown; what was said of it is kept.
             let Some(name) = context.store.name_of(of)? else {
                 continue;
             };
-            let stored = stored_runs(context, std::slice::from_ref(&name))?;
-            let known = before.get(of).map_or(&[] as &[Issue], Vec::as_slice);
-            summaries.extend(stored.iter().map(|run| TagSummary::of(run, known, waits)));
+            let known = before.remove(of).unwrap_or_default();
+            let found = stored_runs(context, std::slice::from_ref(&name))?;
+            stored.extend(found.into_iter().map(|run| (run, known.clone())));
         }
-        Ok(summaries)
+        let unreadable = unreadable(stored.iter().map(|(run, _)| run));
+        for issue in &unreadable {
+            observer.warn(&format!(
+                "{}: {}; runs that it tags are tagged again later",
+                issue.place, issue.message
+            ));
+        }
+        let waits = !unreadable.is_empty();
+        let summary = |(run, known): &(RunRecord, Vec<Issue>)| TagSummary::of(run, known, waits);
+        Ok(stored.iter().map(summary).collect())
     }
 
     /// Refuses keys that are neither known nor declared, and values that no run can have; what was set before may be taken
@@ -215,6 +217,16 @@ impl TagSummary {
     }
 }
 
+/// What cannot be read of the tag files of runs, each once, by place.
+fn unreadable<'a>(runs: impl Iterator<Item = &'a RunRecord>) -> Vec<&'a Issue> {
+    let issues = runs.flat_map(|run| &run.issues);
+    let found: BTreeMap<_, _> = issues
+        .filter(|issue| is_unreadable(issue))
+        .map(|issue| ((&issue.place, &issue.code), issue))
+        .collect();
+    found.into_values().collect()
+}
+
 /// The runs, modulus logs and spectra of these names; the others are not read.
 fn stored_runs(context: &Context, names: &[String]) -> Result<Vec<RunRecord>, PipelineError> {
     let mut runs = Vec::with_capacity(names.len());
@@ -271,8 +283,7 @@ fn refuse_unseen(context: &Context, run: &str) -> Result<(), PipelineError> {
     let paths: Vec<String> = (context.store.contents_of(run)?.into_iter())
         .map(|(path, _)| path)
         .collect();
-    let rows = context.store.files()?;
-    let of_run: Vec<FileRow> = rows.into_iter().filter(|row| paths.contains(&row.path)).collect();
+    let of_run = context.store.files_of(&paths)?;
     let looks_other = |row: &&FileRow| {
         let mut files = known(std::slice::from_ref(*row)).into_iter();
         files.any(|file| is_another(&context.folder, &file))
@@ -296,11 +307,11 @@ fn holds_other(context: &Context, row: &FileRow) -> bool {
 }
 
 fn meant_run(context: &Context, given: &str) -> Result<String, PipelineError> {
-    let names = context.store.run_names()?;
     let wanted = given.trim_start_matches("./").replace('\\', "/");
-    if names.contains(&wanted) {
+    if context.store.id_of_run(&wanted)?.is_some() {
         return Ok(wanted);
     }
+    let names = context.store.run_names()?;
     let ends: Vec<&String> = names
         .iter()
         .filter(|name| name.ends_with(&format!("/{wanted}")))

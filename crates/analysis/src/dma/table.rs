@@ -2,7 +2,7 @@
 
 use ieap_domain::tag::keys;
 use ieap_domain::{ModulusLog, ModulusStep, Parameter};
-use ieap_show::{Sheet, TableAndFrame};
+use ieap_show::{Made, Sheet};
 
 use crate::tables::TableInput;
 
@@ -15,7 +15,7 @@ struct Row<'a> {
 
 /// One row per log, step and number; numbers of the log as a whole have no step. An empty cell is a number that is
 /// not determined, with its reason beside it.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let of_step = |row: &Row, pick: fn(&ModulusStep) -> f64| {
         let steps = &row.log.analysis.as_ref()?.steps;
         Some(pick(&steps[row.step?]))
@@ -45,7 +45,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
         .plain("high_95", |row| row.parameter.estimate.high_95)
         .plain("at_bound", |row| row.parameter.estimate.at_bound)
         .plain("reason", |row| row.parameter.estimate.reason.clone())
-        .both(input.modulus_logs.iter().flat_map(rows))
+        .made(input.modulus_logs.iter().flat_map(rows))
 }
 
 fn rows(log: &ModulusLog) -> Vec<Row<'_>> {

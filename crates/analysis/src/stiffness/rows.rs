@@ -1,5 +1,7 @@
 //! Every sample in every condition: alpha, stiffness and coupling, and what changed beside the driest condition.
 
+use std::collections::BTreeMap;
+
 use ieap_domain::tag::keys;
 use ieap_domain::{BlockedRun, Estimate, Quantity, RunRecord};
 use ieap_show::{Content, Measured};
@@ -66,8 +68,8 @@ pub fn sample_rows(input: &TableInput) -> (Conditions, Vec<SampleRow>) {
             rows.push(row(input, (at, condition), sample));
         }
     }
-    for at in 0..rows.len() {
-        if let Some(reference) = reference(&table, &rows, at).filter(|reference| *reference != at) {
+    for (at, reference) in references(&table, &rows).into_iter().enumerate() {
+        if let Some(reference) = reference.filter(|reference| *reference != at) {
             rows[at].change = Some(change(&rows[at], &rows[reference], reference));
         }
     }
@@ -189,10 +191,9 @@ fn free_bending(alpha: &Estimate, blocked: &[&BlockedRun]) -> Option<f64> {
     blocked.iter().filter_map(of_run).reduce(f64::max)
 }
 
-/// The row that `at` is held against: the driest condition of the same sample at the same voltage, or of its material
+/// The row that each is held against: the driest condition of the same sample at the same voltage, or of its material
 /// where the sample was measured in no other.
-fn reference(table: &Conditions, rows: &[SampleRow], at: usize) -> Option<usize> {
-    let own = &rows[at];
+fn references(table: &Conditions, rows: &[SampleRow]) -> Vec<Option<usize>> {
     let humidity = |row: &SampleRow| {
         let level = table.surroundings[table.measured[row.condition].surroundings].humidity;
         level.map(|level| level.low_percent)
@@ -201,20 +202,49 @@ fn reference(table: &Conditions, rows: &[SampleRow], at: usize) -> Option<usize>
         let condition = &table.measured[row.condition];
         (condition.material, condition.voltage)
     };
-    humidity(own)?;
-    let alike = |&other: &usize| place(&rows[other]) == place(own) && humidity(&rows[other]).is_some();
-    let of_sample = |&other: &usize| alike(&other) && rows[other].sample == own.sample;
-    let in_several = (0..rows.len()).filter(of_sample).count() > 1;
-    let order = |row: usize| humidity(&rows[row]).unwrap_or(f64::INFINITY);
-    (0..rows.len())
-        .filter(|other| {
-            if in_several {
-                of_sample(other)
-            } else {
-                alike(other)
-            }
-        })
-        .min_by(|&a, &b| order(a).total_cmp(&order(b)))
+    let (mut of_material, mut of_sample) = (BTreeMap::new(), BTreeMap::new());
+    for (at, row) in rows.iter().enumerate() {
+        if let Some(percent) = humidity(row) {
+            let own = Driest { at, percent, of: 1 };
+            let (material, sample) = (place(row), (place(row), row.sample.as_str()));
+            of_material
+                .entry(material)
+                .and_modify(|driest| own.joins(driest))
+                .or_insert(own);
+            of_sample
+                .entry(sample)
+                .and_modify(|driest| own.joins(driest))
+                .or_insert(own);
+        }
+    }
+    let reference = |row: &SampleRow| {
+        humidity(row)?;
+        let own = of_sample.get(&(place(row), row.sample.as_str()));
+        let several = own.filter(|driest| driest.of > 1);
+        let driest = several.or_else(|| of_material.get(&place(row)))?;
+        Some(driest.at)
+    };
+    rows.iter().map(reference).collect()
+}
+
+/// The driest of some rows; of equally dry ones the first.
+#[derive(Debug, Clone, Copy)]
+struct Driest {
+    at: usize,
+    percent: f64,
+    /// How many rows there are.
+    of: usize,
+}
+
+impl Driest {
+    fn joins(self, known: &mut Driest) {
+        let of = known.of + 1;
+        let is_drier = self.percent.total_cmp(&known.percent).is_lt();
+        *known = Driest {
+            of,
+            ..if is_drier { self } else { *known }
+        };
+    }
 }
 
 fn change(own: &SampleRow, reference: &SampleRow, at: usize) -> Change {

@@ -240,7 +240,7 @@ pub fn view(study: &Study) -> Vec<Block> {
     blocks.extend(causes(&asked));
     let table = Block::Table(on_page(asked.iter().copied()));
     blocks.push(Block::part("What the study asked", vec![table]));
-    let laws = laws::of(study).table;
+    let laws: Table = laws::of(study);
     if !laws.rows.is_empty() {
         blocks.push(Block::part("Laws", vec![Block::Table(laws.without_empty())]));
     }

@@ -11,7 +11,7 @@ use crate::conditions::conditions;
 use crate::one_fit::SharedEstimate;
 use crate::parameters::{PARAMETERS, ParameterInfo, usable};
 use ieap_numerics::sums;
-use ieap_show::TableAndFrame;
+use ieap_show::Made;
 use ieap_show::quantities::{Quantity, RUNS, SAMPLES};
 
 /// The sums stand last among the parameters.
@@ -20,7 +20,7 @@ const FITTED: Quantity = Quantity::plain("runs_fitted", "Fitted", "number of run
 
 /// Makes the table. In files: per parameter how many runs determine it, the mean of their values and their standard deviation
 /// (empty for fewer than two). Fits that did not converge are left out; runs with the one parameter set of a group count as one.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let found = conditions(input.runs, input.campaign);
     let sums: Vec<Quantity> = PARAMETERS[FIRST_SUM..]
         .iter()
@@ -57,7 +57,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
                 })
         })
     });
-    sheet.both(
+    sheet.made(
         found
             .measured
             .iter()
@@ -94,7 +94,7 @@ mod tests {
     use ieap_show::{Frame, FrameCells, FrameColumn};
 
     fn frame(runs: &[RunRecord]) -> Frame {
-        make(&TableInput::new(&campaign(), runs, &Doubts::default())).frame
+        make(&TableInput::new(&campaign(), runs, &Doubts::default()))
     }
 
     fn fitted(name: &str, alpha: Estimate) -> RunRecord {

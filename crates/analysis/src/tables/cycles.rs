@@ -6,7 +6,7 @@ use super::TableInput;
 use super::of_run::{OfRun, Own, of_runs};
 use crate::cycles::{CYCLE_FIGURES, Cycle, CycleRun};
 use ieap_show::quantities::{Quantity, SAMPLE};
-use ieap_show::{Frame, Rough, Sheet, TableAndFrame};
+use ieap_show::{Frame, Made, Rough, Sheet};
 
 const CYCLE: Quantity = Quantity::plain("cycle", "Cycle", "number of the cycle");
 const START: Quantity = Quantity::new("start_s", "t", "when the cycle begins", "s");
@@ -30,17 +30,17 @@ fn sheet<'a>() -> Sheet<'a, OfCycle<'a>> {
 }
 
 /// Makes the table.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let said = input.cycles.iter().flat_map(|own| {
         let sentences = own.sentences.iter();
         sentences.map(|sentence| format!("{}: {sentence}", own.path))
     });
-    let of = input.of_runs();
+    let runs = input.by_id();
     let rows = input.cycles.iter().flat_map(|own| {
-        let run = OfRun::new(of, own.run_id, &own.path);
+        let run = runs.run(own.run_id, &own.path);
         own.cycles.iter().map(move |cycle| (run, (own, cycle)))
     });
-    sheet().said(said).both(rows)
+    sheet().said(said).made(rows)
 }
 
 /// The same of a train that no campaign holds.

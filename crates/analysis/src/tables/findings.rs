@@ -8,7 +8,7 @@ use crate::json_rows::list;
 use ieap_domain::tag::keys;
 use ieap_domain::{Gain, GroupDiagnosis, HeldOutGain, RunRecord};
 use ieap_show::quantities::{ENVIRONMENT, MATERIAL, Quantity, SAMPLE};
-use ieap_show::{Printed, Rough, Sheet, Source, SourceOrigin, TableAndFrame};
+use ieap_show::{Made, Printed, Rough, Sheet, Source, SourceOrigin};
 
 /// Digits of a probability, and of a gain.
 const DIGITS: i32 = 2;
@@ -37,7 +37,7 @@ const AFTER: Quantity = Quantity::plain(
 );
 
 /// Makes the table.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let by_path: BTreeMap<&str, &RunRecord> = input.runs.iter().map(|run| (run.path.as_str(), run)).collect();
     let by_path = &by_path;
     // What all runs of a finding share.
@@ -139,5 +139,5 @@ pub fn make(input: &TableInput) -> TableAndFrame {
                     Some(found.next_run.as_ref()?.drive.clone())
                 })
         })
-        .both(rows)
+        .made(rows)
 }

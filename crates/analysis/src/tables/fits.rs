@@ -7,7 +7,7 @@ use super::of_several::Runs;
 use crate::parameters::ParameterInfo;
 use ieap_domain::{Estimate, Fit, RunRecord};
 use ieap_show::quantities::Quantity;
-use ieap_show::{Printed, Rough, Sheet, TableAndFrame, Value};
+use ieap_show::{Made, Printed, Rough, Sheet, Value};
 
 const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
 const PARAMETER: Quantity = Quantity::plain(
@@ -29,7 +29,7 @@ const REASON: Quantity = Quantity::plain("reason", "Remark", "why it is not dete
 const DIGITS: (i32, i32) = (5, 2);
 
 /// Makes the table of one row a number: parameters, then what the fit estimated beside them.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     /// A fit, the role of a number in it, its key and what is known of it.
     type OfNumber<'a> = (&'a Fit, &'a str, &'a str, &'a Estimate);
     fn numbers(fit: &Fit) -> impl Iterator<Item = OfNumber<'_>> {
@@ -55,14 +55,14 @@ pub fn make(input: &TableInput) -> TableAndFrame {
                 .plain("at_bound", |(_, (.., own))| own.at_bound)
         })
         .column(REASON, |(_, (.., own))| own.reason.clone())
-        .both(fitted.flat_map(|(run, fit)| {
+        .made(fitted.flat_map(|(run, fit)| {
             let run = OfRun::of(input.campaign, run);
             numbers(fit).map(move |own| (run, own))
         }))
 }
 
 /// Makes the table of one row a run, fitted or not, with a column for each parameter that any of them has.
-pub fn wide(input: &TableInput) -> TableAndFrame {
+pub fn wide<M: Made>(input: &TableInput) -> M {
     type Fitted<'a> = Own<'a, Runs<'a>>;
     fn of<'a, V>((run, _): &Fitted<'a>, read: impl Fn(&'a Fit) -> Option<V>) -> Option<V> {
         run.fit().and_then(read)
@@ -100,7 +100,7 @@ pub fn wide(input: &TableInput) -> TableAndFrame {
         }
     });
     let runs = input.runs.iter().enumerate();
-    sheet.both(runs.map(|(at, run)| (OfRun::of(input.campaign, run), Runs::new(input, [at]))))
+    sheet.made(runs.map(|(at, run)| (OfRun::of(input.campaign, run), Runs::new(input, [at]))))
 }
 
 /// A sheet of runs that prints which run a row is about, and has in files what it was measured under.

@@ -1,5 +1,6 @@
 //! What tables are made from.
 
+use super::of_run::ById;
 use crate::cache::Cache;
 use crate::cycles::CycleRun;
 use crate::frequency::FrequencyRun;
@@ -111,9 +112,9 @@ impl<'a> TableInput<'a> {
         }
     }
 
-    /// The runs that speak, and the campaign.
-    pub fn of_runs(&self) -> (&'a [RunRecord], &'a Campaign) {
-        (self.runs, self.campaign)
+    /// The runs that speak, by row id.
+    pub fn by_id(&self) -> ById<'a> {
+        ById::new(self.campaign, self.runs)
     }
 
     /// Comparisons of models.

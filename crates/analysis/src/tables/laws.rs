@@ -4,7 +4,7 @@ use super::TableInput;
 use crate::json_rows::list;
 use crate::study::{Answer, InScope, Study, Verdict, in_short, sentence, symbol};
 use ieap_show::quantities::{MATERIAL, Quantity, RUNS, SAMPLES};
-use ieap_show::{Printed, Rough, Sheet, TableAndFrame};
+use ieap_show::{Made, Printed, Rough, Sheet};
 
 /// Digits of a number, and of a chance.
 const DIGITS: (i32, i32) = (3, 2);
@@ -55,12 +55,12 @@ const ALSO: Quantity = Quantity::plain(
 const REMARK: &str = "By one mixed model a parameter: x is followed by the same factor for every unit. Of two materials the factor of one over that of the other. Points are of bending lost in an hour. Intervals are 95 %.";
 
 /// Makes the table.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     of(&input.study())
 }
 
 /// The same of a study that is known.
-pub fn of(study: &Study) -> TableAndFrame {
+pub fn of<M: Made>(study: &Study) -> M {
     fn of_material<V>(own: &Answer, read: fn(&InScope) -> V) -> Option<V> {
         own.of_material.as_ref().map(read)
     }
@@ -124,5 +124,5 @@ pub fn of(study: &Study) -> TableAndFrame {
                 .plain("strips_differ_p", |own| own.strips_differ_p)
                 .plain("sentence", |own| sentence(own))
         })
-        .both(study.laws())
+        .made(study.laws())
 }

@@ -34,7 +34,7 @@ use crate::models_compared;
 use crate::study;
 
 pub use ieap_show::{Cell, Column, Content, Measured, Notes, Row, Source, SourceOrigin, Table};
-use ieap_show::{Frame, TableAndFrame, frame_of};
+use ieap_show::{Frame, frame_of};
 pub use input::TableInput;
 pub(crate) use of_several::Runs;
 pub use table6::rules;
@@ -75,7 +75,7 @@ enum Make {
     /// For people; programs have the numbers of what is shown.
     Shown(fn(&TableInput) -> Table),
     /// For people, and with further columns for files: `ieap export` writes it.
-    Written(fn(&TableInput) -> TableAndFrame),
+    Written(fn(&TableInput) -> Table, fn(&TableInput) -> Frame),
 }
 
 impl NamedTable {
@@ -86,9 +86,10 @@ impl NamedTable {
     const fn written(
         name: &'static str,
         about: &'static str,
-        make: fn(&TableInput) -> TableAndFrame,
+        table: fn(&TableInput) -> Table,
+        frame: fn(&TableInput) -> Frame,
     ) -> NamedTable {
-        NamedTable::made(name, about, Make::Written(make))
+        NamedTable::made(name, about, Make::Written(table, frame))
     }
 
     const fn made(name: &'static str, about: &'static str, make: Make) -> NamedTable {
@@ -120,7 +121,7 @@ impl NamedTable {
             origin: input.origin.to_owned(),
             ..match self.make {
                 Make::Shown(make) => make(input),
-                Make::Written(make) => make(input).table,
+                Make::Written(table, _) => table(input),
             }
         }
     }
@@ -129,13 +130,13 @@ impl NamedTable {
     pub fn frame(&self, input: &TableInput) -> Frame {
         match self.make {
             Make::Shown(make) => frame_of(&make(input)),
-            Make::Written(make) => make(input).frame,
+            Make::Written(_, frame) => frame(input),
         }
     }
 
     /// Whether `ieap export` writes it: it has columns for files.
     pub fn is_written(&self) -> bool {
-        matches!(self.make, Make::Written(_))
+        matches!(self.make, Make::Written(..))
     }
 }
 
@@ -149,20 +150,20 @@ pub const TABLES: &[NamedTable] = &[
     NamedTable::new("table6", "What happens in which environment at which voltage, in words (the thesis's table 6)", table6::make).comparing_materials(),
     NamedTable::new("contrasts", "What environment, humidity, voltage and material do to each parameter: ratios with intervals, laws, what is alike", |input| study::view::table(&input.study().answers)).needing(Need::Curves),
     NamedTable::new("spread", "Means over repeats with the spread between samples, between runs and the fits' own uncertainty", spread::make).comparing_materials(),
-    NamedTable::written("conditions", "Conditions that were measured: runs, mean and spread of each parameter", conditions_table::make).comparing_materials(),
-    NamedTable::written("runs", "Every run: tags, state, files, goodness of fit", runs::make),
-    NamedTable::written("tags", "Tags of the runs and their sources", runs::tags),
-    NamedTable::written("fits", "Every number of the current fits", fits::make),
-    NamedTable::written("fits-wide", "Current fits, parameters side by side", fits::wide),
-    NamedTable::written("model-free", "What every step says without a model: peak, loss, charge, strain rate, settling time", model_free::make).needing(Need::Readings),
+    NamedTable::written("conditions", "Conditions that were measured: runs, mean and spread of each parameter", conditions_table::make, conditions_table::make).comparing_materials(),
+    NamedTable::written("runs", "Every run: tags, state, files, goodness of fit", runs::make, runs::make),
+    NamedTable::written("tags", "Tags of the runs and their sources", runs::tags, runs::tags),
+    NamedTable::written("fits", "Every number of the current fits", fits::make, fits::make),
+    NamedTable::written("fits-wide", "Current fits, parameters side by side", fits::wide, fits::wide),
+    NamedTable::written("model-free", "What every step says without a model: peak, loss, charge, strain rate, settling time", model_free::make, model_free::make).needing(Need::Readings),
     NamedTable::new("energy", "Electrical energy that went in and came back, elastic energy, efficiency, energy and power density of every step", model_free::energy).needing(Need::Readings),
-    NamedTable::written("cycles", "Trains cycle by cycle: amplitude, charge, efficiency, energy, alpha, resistance, trends", cycles::make).needing(Need::Readings),
+    NamedTable::written("cycles", "Trains cycle by cycle: amplitude, charge, efficiency, energy, alpha, resistance, trends", cycles::make, cycles::make).needing(Need::Readings),
     NamedTable::new("reductions", "Where a simpler circuit would do in each run, one branch or none to leak, and what it costs", reductions::make).needing(Need::Reductions),
     NamedTable::new("models", "Which model describes which material in which environment, as `ieap compare` found it", |input| models_compared::view::table(input.compared())).comparing_materials(),
-    NamedTable::written("findings", "What the model gets wrong in each group of runs and each run, and why", findings::make),
-    NamedTable::written("laws", "By which factor a parameter goes over humidity, voltage, temperature, use: of the strips measured and of their material", laws::make).needing(Need::Curves),
-    NamedTable::written("monitoring", "Parameters over the life of each sample", monitoring::make).needing(Need::Monitoring),
-    NamedTable::written("dma", "Every number of the modulus logs", dma::table::make),
+    NamedTable::written("findings", "What the model gets wrong in each group of runs and each run, and why", findings::make, findings::make),
+    NamedTable::written("laws", "By which factor a parameter goes over humidity, voltage, temperature, use: of the strips measured and of their material", laws::make, laws::make).needing(Need::Curves),
+    NamedTable::written("monitoring", "Parameters over the life of each sample", monitoring::make, monitoring::make).needing(Need::Monitoring),
+    NamedTable::written("dma", "Every number of the modulus logs", dma::table::make, dma::table::make),
     NamedTable::new("runs-used", "Every law, contrast, fit of a group and diagnosis with the runs that it is made from, and why others were left out", runs_used::make),
     NamedTable::new("electrodes", "Resistance of the electrodes over time, by the four-point probe, with cracks", electrodes::make),
     NamedTable::new("stiffness", "Alpha split into stiffness and coupling, by modulus logs and blocking forces: which of them a change follows", stiffness::make),

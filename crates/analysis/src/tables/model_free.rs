@@ -3,21 +3,21 @@
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::of_run::{OfRun, Own, of_runs_and_what};
+use super::of_run::{Own, of_runs_and_what};
 use crate::model_free::{ENERGIES, FIGURES, ModelFree};
 use ieap_show::quantities::{HUMIDITY, Quantity, VOLTAGE};
-use ieap_show::{Rough, Sheet, Table, TableAndFrame};
+use ieap_show::{Made, Rough, Sheet, Table};
 
 const HELD: Quantity = Quantity::new("held_s", "held", "how long the level is seen", "s");
 
 type OfStep<'a> = Own<'a, &'a ModelFree>;
 
 /// Makes the table of what a step does; its file has the energies as well.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     of_steps("model-free", "What the runs say without a model", "Of the first level of each run, from its step until the voltage changes again or the readings end; values with the standard error that the noise gives them. Curvature is counted from the readings before the step.")
         .columns_by_place(&FIGURES, |(_, own), at| own.values.get(at).cloned())
         .in_files(|sheet| sheet.columns_by_place(&ENERGIES, |(_, own), at| own.energies.get(at).cloned()))
-        .both(rows(input))
+        .made(rows(input))
 }
 
 /// Makes the table of energies and powers.
@@ -40,7 +40,7 @@ fn of_steps<'a>(name: &'static str, title: &'static str, remark: &str) -> Sheet<
 }
 
 fn rows<'a>(input: &TableInput<'a>) -> impl Iterator<Item = OfStep<'a>> {
-    let of = input.of_runs();
+    let runs = input.by_id();
     let steps = input.model_free.iter();
-    steps.map(move |own| (OfRun::new(of, own.run_id, &own.path), own))
+    steps.map(move |own| (runs.run(own.run_id, &own.path), own))
 }

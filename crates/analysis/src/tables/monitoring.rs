@@ -4,13 +4,13 @@ use super::TableInput;
 use crate::json_rows::list;
 use crate::monitoring::fitted::Interval;
 use crate::monitoring::{Monitoring, Watched, series::Reaches, words};
-use ieap_show::{Rough, Sheet, TableAndFrame};
+use ieap_show::{Made, Rough, Sheet};
 
 /// Digits of a number that people read.
 const DIGITS: i32 = 3;
 
 /// Makes the table.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let none = Monitoring::default();
     let monitoring = input.monitoring.unwrap_or(&none);
     let trend = |own: &Watched| (own.study.trends.first().copied()).filter(|_| own.study.is_shown());
@@ -41,7 +41,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
             })
         })
         .plain("sentence", |own| words::life(own))
-        .both(&monitoring.watched)
+        .made(&monitoring.watched)
 }
 
 fn rough(number: Option<f64>) -> Option<Rough> {

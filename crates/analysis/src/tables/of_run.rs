@@ -1,5 +1,7 @@
 //! Sheets whose rows are each of a run.
 
+use std::collections::BTreeMap;
+
 use crate::conditions::{material, nominal_voltage_v};
 use ieap_domain::Fit;
 use ieap_domain::tag::keys;
@@ -9,6 +11,30 @@ use ieap_show::{Printed, Sheet, Source, SourceOrigin, Value};
 
 const TEMPERATURE: Quantity = Quantity::new("temperature_c", "T", "temperature", "°C");
 const STARTED: Quantity = Quantity::plain("started_at", "Started", "start, in the campaign's time zone");
+
+/// Runs of a campaign by row id: a table has a row or more of each.
+pub struct ById<'a> {
+    campaign: &'a Campaign,
+    runs: BTreeMap<i64, &'a RunRecord>,
+}
+
+impl<'a> ById<'a> {
+    /// These runs.
+    pub fn new(campaign: &'a Campaign, runs: &'a [RunRecord]) -> ById<'a> {
+        let runs = runs.iter().map(|run| (run.id, run)).collect();
+        ById { campaign, runs }
+    }
+
+    /// The run of that row id.
+    pub fn run(&self, id: i64, path: &'a str) -> OfRun<'a> {
+        OfRun {
+            campaign: Some(self.campaign),
+            id,
+            path,
+            record: self.runs.get(&id).copied(),
+        }
+    }
+}
 
 /// The run that a row is of.
 #[derive(Clone, Copy)]
@@ -21,16 +47,6 @@ pub struct OfRun<'a> {
 }
 
 impl<'a> OfRun<'a> {
-    /// That of these runs which has that row id.
-    pub fn new((runs, campaign): (&'a [RunRecord], &'a Campaign), id: i64, path: &'a str) -> OfRun<'a> {
-        OfRun {
-            campaign: Some(campaign),
-            id,
-            path,
-            record: runs.iter().find(|run| run.id == id),
-        }
-    }
-
     /// A run that is at hand.
     pub fn of(campaign: &'a Campaign, run: &'a RunRecord) -> OfRun<'a> {
         OfRun {

@@ -3,7 +3,7 @@
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::of_run::{OfRun, of_runs_and_what};
+use super::of_run::of_runs_and_what;
 use crate::reductions::ReducedCircuit;
 use ieap_show::quantities::{Quantity, VOLTAGE};
 use ieap_show::{Table, Value};
@@ -72,8 +72,9 @@ pub fn make(input: &TableInput) -> Table {
                 rough(circuit.series_elements().map(|all| all[at]), 4)
             })
         });
+    let runs = input.by_id();
     sheet.over(input.reductions.iter().flat_map(|own| {
-        let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
+        let run = runs.run(own.run_id, &own.path);
         let circuits: Vec<Reduced> = match &own.found {
             Ok(found) => found.iter().map(Ok).collect(),
             Err(why) => vec![Err(why)],

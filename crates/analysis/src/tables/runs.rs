@@ -4,7 +4,7 @@ use super::TableInput;
 use super::of_run::{OfRun, Own, of_runs_and_conditions};
 use ieap_domain::{Fit, RunFile, RunRecord, Severity, Tag};
 use ieap_show::quantities::{Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE};
-use ieap_show::{Printed, Sheet, TableAndFrame, Value};
+use ieap_show::{Made, Printed, Sheet, Value};
 
 const OUTCOME: Quantity = Quantity::plain("outcome", "State", "what became of the run");
 const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
@@ -12,7 +12,7 @@ const MODEL: Quantity = Quantity::plain("model", "Model", "model of its fit");
 type Of<'a> = Own<'a, &'a RunRecord>;
 
 /// Makes the table.
-pub fn make(input: &TableInput) -> TableAndFrame {
+pub fn make<M: Made>(input: &TableInput) -> M {
     let joined = |run: &RunRecord, of: fn(&RunFile) -> &str| {
         let files: Vec<&str> = run.files.iter().map(of).collect();
         files.join(" ")
@@ -53,7 +53,7 @@ pub fn make(input: &TableInput) -> TableAndFrame {
                 .plain("readings_fitted", |(own, _)| Some(own.fit()?.n_samples))
                 .plain("warnings", |(_, run)| warnings(run))
         });
-    sheet.both(every(input).map(|run| (OfRun::of(input.campaign, run), run)))
+    sheet.made(every(input).map(|run| (OfRun::of(input.campaign, run), run)))
 }
 
 /// Every run, those that no result is made from last.
@@ -84,7 +84,7 @@ fn warnings(run: &RunRecord) -> usize {
 }
 
 /// Makes the table of tags, from every source; `chosen` tells which value of a key holds: the first.
-pub fn tags(input: &TableInput) -> TableAndFrame {
+pub fn tags<M: Made>(input: &TableInput) -> M {
     type OfTag<'a> = (&'a RunRecord, usize, &'a Tag);
     fn tags_of(run: &RunRecord) -> impl Iterator<Item = OfTag<'_>> {
         let tags = run.tags.iter().enumerate();
@@ -100,5 +100,5 @@ pub fn tags(input: &TableInput) -> TableAndFrame {
         .plain("chosen", |(run, at, tag)| {
             !run.tags[..*at].iter().any(|earlier| earlier.key == tag.key)
         })
-        .both(every(input).flat_map(tags_of))
+        .made(every(input).flat_map(tags_of))
 }

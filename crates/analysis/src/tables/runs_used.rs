@@ -57,6 +57,9 @@ fn every<'a>(input: &TableInput<'a>) -> impl Iterator<Item = &'a RunRecord> {
 fn of_study<'a>(input: &TableInput<'a>) -> Vec<Part<'a>> {
     let study = input.study();
     let facts = facts(input.runs, input.campaign);
+    let facts: FactsByRun = (facts.iter())
+        .map(|facts| (input.runs[facts.run].path.as_str(), facts))
+        .collect();
     let is_told = |own: &&Answer| match own.kind {
         Kind::Environment => own.is_of_study && own.value.is_some(),
         kind => kind.is_law() && !kind.is_by_material() && own.verdict == Verdict::Differs,
@@ -106,8 +109,11 @@ fn is_compared(input: &TableInput, found: &Answer, run: &RunRecord) -> bool {
     run.tag(keys::ENVIRONMENT).is_some_and(is_side) && material(run, input.campaign) == Some(&found.material)
 }
 
+/// What is known of runs, by name.
+type FactsByRun<'a> = BTreeMap<&'a str, &'a RunFacts>;
+
 /// Why a run is no part of what is said of a parameter.
-fn why_not(input: &TableInput, facts: &[RunFacts], run: &RunRecord, found: &Answer) -> String {
+fn why_not(input: &TableInput, facts: &FactsByRun, run: &RunRecord, found: &Answer) -> String {
     if !run.standing.speaks() {
         return format!("set aside: {}", run.standing.reason());
     }
@@ -119,8 +125,7 @@ fn why_not(input: &TableInput, facts: &[RunFacts], run: &RunRecord, found: &Answ
         Ok(estimate) => estimate,
     };
     let states = |key: &str| {
-        let own = facts.iter().find(|facts| input.runs[facts.run].path == run.path);
-        own.is_some_and(|own| {
+        facts.get(run.path.as_str()).is_some_and(|own| {
             let mut stated = own.numbers.keys().chain(own.names.keys());
             stated.any(|covariate| covariate.key() == key)
         })

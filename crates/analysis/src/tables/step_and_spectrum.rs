@@ -4,7 +4,7 @@ use ieap_domain::Estimate;
 use ieap_domain::tag::keys;
 
 use super::TableInput;
-use super::of_run::{OfRun, Own};
+use super::of_run::Own;
 use super::of_several::contribution;
 use crate::impedance::{Both, OneLikelihood};
 use crate::parameters::ParameterInfo;
@@ -45,6 +45,7 @@ struct Told<'a> {
 pub fn make(input: &TableInput) -> Table {
     type Of<'a> = Own<'a, Told<'a>>;
     let known = SHOWN.into_iter().filter_map(ParameterInfo::of);
+    let runs = input.by_id();
     let shown: Vec<Quantity> = known.map(ParameterInfo::quantity).collect();
     Sheet::<Of>::new("step-and-spectrum", "Steps and spectra in one likelihood", 2)
         .remarks(
@@ -73,7 +74,7 @@ pub fn make(input: &TableInput) -> Table {
         .columns_by_place(&shown, |(_, told), at| told.numbers[at].as_ref().map(Value::from))
         .column(PER_CHARGE, |(_, told)| told.moment.as_ref().map(Value::from))
         .over(input.one_likelihood.iter().flat_map(|own| {
-            let run = OfRun::new(input.of_runs(), own.run_id, &own.path);
+            let run = runs.run(own.run_id, &own.path);
             told(input, own).into_iter().map(move |told| (run, told))
         }))
 }

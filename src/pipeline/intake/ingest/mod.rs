@@ -46,6 +46,7 @@ pub(crate) use known::known;
 pub(crate) use prepare::{
     LARGEST_FILE_BYTES, Outcome, PreparedFile, RunPart, With, prepare_bytes, run_parts,
 };
+pub(crate) use retag::retag_named;
 pub use retag::retag_runs;
 pub(crate) use rows::{content_of, file_row, set_aside};
 pub(crate) use settle::{files_of_runs, runs_of};

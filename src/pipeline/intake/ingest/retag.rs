@@ -8,7 +8,6 @@ use super::start;
 use super::summary::IngestSummary;
 use super::tagging::{TaggingInput, digest, tag_files, tagging, unreadable};
 use super::window::window;
-use crate::analysis::climate::Window;
 use crate::domain::tag::keys;
 use crate::domain::{Issue, RunRecord, RunState, Tag, TagSource};
 use crate::ingest::formats::date::DATE_UNCERTAIN;
@@ -19,6 +18,7 @@ use crate::pipeline::campaign::context::now;
 use crate::pipeline::campaign::planned::known_sheets;
 use crate::pipeline::intake::climate::Shelf;
 use crate::pipeline::{Context, Observer, PipelineError};
+use crate::store::TagSources;
 
 /// Tags again every current run whose tag sources changed, and lists their names. A run keeps its tags while
 /// something that states some of them cannot be read.
@@ -30,73 +30,77 @@ pub fn retag_runs(
     summary: &mut IngestSummary,
     observer: &dyn Observer,
 ) -> Result<(), PipelineError> {
+    summary.retagged = retag_among(context, None, observer)?;
+    Ok(())
+}
+
+/// The same of these runs alone, after something was said of them, and of those that hold the readings of one of them: no
+/// other hangs on what is said of them.
+///
+/// # Errors
+/// The database refuses.
+pub(crate) fn retag_named(
+    context: &mut Context,
+    names: &BTreeSet<String>,
+    observer: &dyn Observer,
+) -> Result<(), PipelineError> {
+    retag_among(context, Some(names), observer).map(drop)
+}
+
+fn retag_among(
+    context: &mut Context,
+    names: Option<&BTreeSet<String>>,
+    observer: &dyn Observer,
+) -> Result<Vec<String>, PipelineError> {
     let shelf = Shelf::open(&context.store)?;
     // What is written from here on is of the next time: digest and tags are of one reading.
     context.stated = TagFiles::of(&context.folder);
     context.sheets = known_sheets(context)?;
-    let windows: BTreeMap<i64, Option<Window>> = context
-        .store
-        .run_times()?
-        .into_iter()
-        .map(|(run_id, started_at, times)| (run_id, window(started_at.as_deref(), times)))
-        .collect();
-    let open_dates: BTreeSet<String> = context
-        .store
-        .issues_of_code(DATE_UNCERTAIN)?
-        .into_iter()
-        .filter(|(_, issue)| issue.place == keys::STARTED_AT)
-        .map(|(path, _)| path)
-        .collect();
     let other_names = context.store.other_names()?;
     let others_of = |run_id: i64| other_names.get(&run_id).map_or(&[][..], Vec::as_slice);
-    let gone = context.store.runs_without_files()?;
+    let all_sources = match names {
+        None => context.store.tag_sources()?,
+        Some(names) => {
+            let ids = with_others(context, names, &other_names)?;
+            context.store.tag_sources_of(&ids)?
+        }
+    };
     let mut due: BTreeMap<i64, Due> = BTreeMap::new();
-    for sources in context.store.tag_sources()? {
-        let (run_id, path, stored) = (sources.run_id, sources.path, sources.digest);
+    for sources in all_sources {
+        let run_id = sources.run_id;
         let files: Vec<&str> = sources.files.iter().map(String::as_str).collect();
-        let window = windows.get(&run_id).copied().flatten();
-        let files = tag_files(&path, &files);
+        let files = tag_files(&sources.path, &files);
         let digest = digest(
             context,
             &shelf,
-            (&path, &files),
+            (&sources.path, &files),
             &sources.said_of,
             others_of(run_id),
-            window,
-            gone.contains(&run_id),
+            window(sources.started_at.as_deref(), sources.times),
+            sources.is_gone,
         )?;
-        let changed = digest != stored;
-        if changed || (open_dates.contains(&path) && is_decided_beside(context, run_id, &files)?) {
-            let said_of = sources.said_of;
-            due.insert(run_id, Due { changed, said_of });
+        let changed = digest != sources.digest;
+        if changed || (has_open_date(&sources) && is_decided_beside(context, run_id, &files)?) {
+            due.insert(run_id, Due { changed, sources });
         }
     }
-    if due.is_empty() {
-        return Ok(());
-    }
-    let others = context
-        .store
-        .dma_logs()?
-        .into_iter()
-        .chain(context.store.spectra()?);
-    let all = context.store.runs()?.into_iter().chain(others);
-    let runs: Vec<RunRecord> = all.filter(|run| due.contains_key(&run.id)).collect();
+    let runs = context.store.runs_of(due.keys().copied())?;
     let mut retagged = Vec::new();
     for batch in runs.chunks(MOST_FILES) {
         interrupt::check();
         let before = retagged.len();
         together(context, |context| {
             for run in batch {
-                let (due, others) = (&due[&run.id], others_of(run.id));
+                let (Due { changed, sources }, others) = (&due[&run.id], others_of(run.id));
                 let held = held_by(context, run, others);
                 // Where only its date could be told now that waits for what cannot be read, too.
-                if (held.is_none() || due.changed)
+                if (held.is_none() || *changed)
                     && retag(
                         context,
                         &shelf,
-                        (run, &due.said_of),
+                        (run, &sources.said_of),
                         others,
-                        gone.contains(&run.id),
+                        sources.is_gone,
                         held,
                     )?
                 {
@@ -109,16 +113,35 @@ pub fn retag_runs(
             .iter()
             .for_each(|path| observer.say(&format!("tagged {path} again")));
     }
-    summary.retagged = retagged;
-    Ok(())
+    Ok(retagged)
+}
+
+/// Row ids of the current runs of these names, and of those of which one of them is another name.
+fn with_others(
+    context: &Context,
+    names: &BTreeSet<String>,
+    other_names: &BTreeMap<i64, Vec<String>>,
+) -> Result<BTreeSet<i64>, PipelineError> {
+    let is_of_one = |(_, others): &(&i64, &Vec<String>)| others.iter().any(|other| names.contains(other));
+    let mut ids: BTreeSet<i64> = other_names.iter().filter(is_of_one).map(|(id, _)| *id).collect();
+    for name in names {
+        ids.extend(context.store.id_of_run(name)?);
+    }
+    Ok(ids)
+}
+
+/// Whether it was said of a run that its file leaves open which of two dates it states.
+fn has_open_date(sources: &TagSources) -> bool {
+    let is_of_date = |issue: &Issue| issue.code == DATE_UNCERTAIN && issue.place == keys::STARTED_AT;
+    sources.issues.iter().any(is_of_date)
 }
 
 /// Why a run is looked at again.
 struct Due {
     /// Whether the digest of its tag sources is another one than before.
     changed: bool,
-    /// What words of people hang on that hold of it.
-    said_of: Vec<String>,
+    /// What its tags came from.
+    sources: TagSources,
 }
 
 /// Why a run keeps the tags that it has until something is mended: what they came from cannot be read now, and the next
