@@ -160,7 +160,8 @@ pub fn forecast(told: &[Told], applied: Applied, of_another_strip: bool, beside:
     })
 }
 
-fn is_alike(a: f64, b: f64) -> bool {
+/// Whether two voltages are one level.
+pub fn is_alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= LEVELS_ALIKE * a.abs().max(b.abs())
 }
 

@@ -106,6 +106,7 @@ fn looked(
         bins: &bins,
         draws: options.draws,
         seed: options.seed,
+        absent: options.absent,
     };
     let (null, directions) = input.null(&base, 0);
     let residuals = base.residuals();

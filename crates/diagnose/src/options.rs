@@ -1,6 +1,8 @@
 //! How to diagnose.
 
 use ieap_model::FitModel;
+use ieap_model::effects::Site;
+use ieap_model::effects::smooth_laws::Place;
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
 pub const VERSION: u32 = 41;
@@ -16,6 +18,30 @@ pub struct DiagnoseOptions {
     pub seed: u64,
     /// Misfit up to which the simulation is right whatever chance says, percent of ranges.
     pub tolerance_percent: f64,
+    /// A law that is taken off the list, to count what is said where the truth is not on it; none in use.
+    pub absent: Option<AbsentLaw>,
+}
+
+/// A law by a variable, however it is split over branches and whichever curve it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AbsentLaw {
+    /// Where it acts.
+    pub site: Site,
+    /// The law.
+    pub law: &'static str,
+    /// Key of its variable.
+    pub variable: &'static str,
+}
+
+impl AbsentLaw {
+    pub(crate) fn is(&self, place: &Place) -> bool {
+        // Of a capacitor the charge is a function of its voltage: a law by one is a law by the other.
+        let own = |variable: &'static str| match (self.law, variable) {
+            ("capacitance", "charge_c_per_cm2") => "voltage_v",
+            (_, other) => other,
+        };
+        (place.site, place.law, own(place.variable)) == (self.site, self.law, own(self.variable))
+    }
 }
 
 impl Default for DiagnoseOptions {
@@ -25,6 +51,7 @@ impl Default for DiagnoseOptions {
             draws: 999,
             seed: 1,
             tolerance_percent: ieap_domain::diagnosis::TOLERANCE_PERCENT,
+            absent: None,
         }
     }
 }

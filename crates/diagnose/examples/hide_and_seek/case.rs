@@ -1,6 +1,6 @@
 //! Groups of runs with known truth: random base parameters, a design of drives, noise of a chosen kind.
 
-use ieap_diagnose::{DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
+use ieap_diagnose::{AbsentLaw, DesignRun, DiagnoseOptions, KnownNoise, RunInput, diagnose_group};
 use ieap_domain::testing::clocks::LabClock;
 use ieap_domain::{Channel, Drive, GroupDiagnosis, Level, Quantity, Segment};
 use ieap_fit::FitInput;
@@ -397,6 +397,7 @@ pub fn responses_of(case: &Case, bases: &[LumpedModel]) -> Vec<Responses> {
     let of = |(run, base): (&DesignRun, &LumpedModel)| Responses {
         current_a: base.current_a(&run.drive, AREA, &run.current_time_s),
         curvature_per_cm: base.curvature_per_cm(&run.drive, AREA, &run.curvature_time_s),
+        ..Responses::default()
     };
     case.design.iter().zip(bases).map(of).collect()
 }
@@ -442,6 +443,7 @@ pub fn truly(case: &Case, hidden: Vec<HiddenEffect>) -> Option<Vec<Responses>> {
         Some(Responses {
             current_a: found.current_a,
             curvature_per_cm: found.curvature_per_cm,
+            ..Responses::default()
         })
     })
     .collect()
@@ -573,10 +575,11 @@ pub fn inputs<'a>(case: &'a Case, channels: &'a [Vec<Channel>]) -> Vec<RunInput<
 }
 
 /// Adds noise and diagnoses. Misfits are told however small they are.
-pub fn diagnose(case: &mut Case, responses: &[Responses]) -> GroupDiagnosis {
+pub fn diagnose(case: &mut Case, responses: &[Responses], absent: Option<AbsentLaw>) -> GroupDiagnosis {
     let channels = measured(case, responses);
     let options = DiagnoseOptions {
         tolerance_percent: 0.0,
+        absent,
         ..DiagnoseOptions::default()
     };
     diagnose_group("case", &inputs(case, &channels), &options)

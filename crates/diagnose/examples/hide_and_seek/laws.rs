@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+use ieap_diagnose::AbsentLaw;
 use ieap_domain::{GroupDiagnosis, MissingLaw};
 use ieap_model::effects::{About, Applied, Effect, EffectParameter, Limits, Scale, Search, Site};
 use ieap_model::effects::{place_of, place_of_form};
@@ -139,8 +140,11 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
             });
             println!("{}", told_of(found).row(&format!("foreign, d {d}")));
         }
-        if wanted("outside") {
-            println!("{}", outside(first, count, d).row(&format!("random laws, d {d}")));
+        for (kind, is_absent) in [("outside", false), ("absent", true)] {
+            if wanted(kind) {
+                let found = outside(first, count, d, is_absent);
+                println!("{}", found.row(&format!("random laws, {kind}, d {d}")));
+            }
         }
         if wanted("pairs") {
             println!("{}", pairs(first, count, d).row(&format!("a pair, d {d}")));
@@ -181,14 +185,20 @@ pub fn own(first: u64, count: u64, d: f64, only: &[&str]) -> Count {
     told_of(found)
 }
 
-/// Laws of random shapes.
-pub fn outside(first: u64, count: u64, d: f64) -> Count {
+/// Laws of random shapes; `is_absent`: the law and its variable are taken off the list, and no more than its place is right.
+pub fn outside(first: u64, count: u64, d: f64, is_absent: bool) -> Count {
     let all: Vec<u64> = (0..count).map(|k| first + 500_000 + k).collect();
     let found = each(&all, |&seed| {
         let mut case = case(seed, Plan::default());
         let (drawn, with) = drawn(&mut case, d)?;
         let shown = format!("{} {}", drawn.law, drawn.variable);
-        Some((drawn, looked(&mut case, &with, &shown)))
+        let absent = AbsentLaw {
+            site: drawn.site(),
+            law: drawn.law,
+            variable: drawn.variable,
+        };
+        let absent = is_absent.then_some(absent);
+        Some((drawn, looked_without(&mut case, &with, &shown, absent)))
     });
     let mut sum = Count::default();
     for (drawn, (looked, seconds)) in found {
@@ -294,8 +304,18 @@ fn show(id: &str, found: &GroupDiagnosis, seconds: f64) {
 
 /// What is told of a case, and how long it took.
 fn looked(case: &mut Case, with: &[Responses], id: &str) -> (GroupDiagnosis, f64) {
+    looked_without(case, with, id, None)
+}
+
+/// The same with a law that is not on the list.
+fn looked_without(
+    case: &mut Case,
+    with: &[Responses],
+    id: &str,
+    absent: Option<AbsentLaw>,
+) -> (GroupDiagnosis, f64) {
     let began = Instant::now();
-    let found = diagnose(case, with);
+    let found = diagnose(case, with, absent);
     let seconds = began.elapsed().as_secs_f64();
     if std::env::var_os("SHOW").is_some() {
         show(id, &found, seconds);

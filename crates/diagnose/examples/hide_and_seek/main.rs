@@ -3,8 +3,8 @@
 //! `cargo run --release --example hide_and_seek -- null 40 [first seed [part of a condition's name ...]]`: nothing is hidden, in
 //! the lengths, rates, edges, clocks, noises, zeros and drifts of laboratories, of each so many groups.
 //!
-//! `-- laws 16 32 [own] [foreign] [outside] [strange] [pairs] [differs]`: every equation of the library; foreign forms of them; laws of
-//! random shapes that no library holds; strange causes; two equations at once; parameters that differ from run to run. Of each so many groups at these strengths (standard deviations
+//! `-- laws 16 32 [own] [foreign] [outside] [absent] [strange] [pairs] [differs]`: every equation of the library; foreign forms of
+//! them; laws of random shapes that no library holds; these where the law is taken off the list; strange causes; two equations at once; parameters that differ from run to run. Of each so many groups at these strengths (standard deviations
 //! after the refit, commas between).
 //!
 //! `-- visible 100` adds an error of the size that a clean group is said to show. `-- short` fails where a few groups of each
@@ -106,7 +106,7 @@ fn short() {
             own.groups, own.low
         ));
     }
-    let outside = laws::outside(20_000, 8, 32.0);
+    let outside = laws::outside(20_000, 8, 32.0, false);
     println!("{}", outside.row("random laws"));
     let (right, wrong) = (
         outside.right.iter().sum::<usize>(),

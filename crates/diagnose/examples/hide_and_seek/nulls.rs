@@ -243,7 +243,7 @@ fn diagnosed(first: u64, count: u64, plan: Plan) -> Vec<GroupDiagnosis> {
     each(&seeds, |&seed| {
         let mut case = case(seed, plan);
         let plain = true_responses(&case, &[])?;
-        let found = diagnose(&mut case, &plain);
+        let found = diagnose(&mut case, &plain, None);
         if std::env::var_os("SHOW").is_some() && found.p_misfit.is_none_or(|p| p < 0.05) {
             println!(
                 "seed {seed} p {:?} {:?} {}",

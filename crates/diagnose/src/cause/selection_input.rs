@@ -5,6 +5,7 @@ use crate::misfit::calibration::{Asked, Calibration};
 use crate::misfit::null::{Null, Statistics};
 use crate::misfit::residual_bins::ResidualBin;
 use crate::misfit::signature::{Direction, Signature, directions};
+use crate::options::AbsentLaw;
 use crate::readings::group::RunGroup;
 
 /// A group, the base model fitted to it, and the questions that its residuals are asked.
@@ -15,6 +16,8 @@ pub(crate) struct SelectionInput<'a, 'g> {
     pub(crate) bins: &'a [ResidualBin],
     pub(crate) draws: usize,
     pub(crate) seed: u64,
+    /// A law that is not asked.
+    pub(crate) absent: Option<AbsentLaw>,
 }
 
 impl<'g> SelectionInput<'_, 'g> {

@@ -9,6 +9,7 @@ use ieap_numerics::student::quantile_95;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::candidates::added;
+use crate::extended::laws::form_words;
 use crate::extended::policy::{SHIFT_SIGMAS, WIDENED_FROM};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::FreeEffect;
@@ -116,11 +117,7 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
 
 /// The form that each effect took, where it has several: without it its parameters are not known.
 fn forms(extended: &Fitted) -> String {
-    let of = |free_effect: &FreeEffect| {
-        let about = free_effect.effect.about();
-        let form = about.variants.get(free_effect.variant)?;
-        Some(format!("; {} as {form}", about.id))
-    };
+    let of = |own: &FreeEffect| form_words(own.effect.about(), own.variant);
     extended.problem.effects.iter().filter_map(of).collect()
 }
 

@@ -57,6 +57,7 @@ pub(crate) fn p_leftover(
             bins: &residual_bins(group, &base),
             draws: options.draws,
             seed: options.seed,
+            absent: options.absent,
         };
         let (null, directions) = input.null(&with, 1);
         let left = null.observe(group, &with.residuals(), &directions);

@@ -6,5 +6,6 @@
 
 pub(crate) mod fits;
 pub(crate) mod from_others;
+pub(crate) mod laws;
 pub(crate) mod leftover;
 mod policy;

@@ -91,8 +91,10 @@ pub(crate) fn look<'g>(
         else {
             break;
         };
-        // A law must predict better what it has not seen, beside the laws before it.
-        let is_told = is_sure && log_odds >= CLEAR_GAIN;
+        // A law must predict better what it has not seen, beside the laws before it, and take the larger part of the error: what
+        // leaves most of it stands beside something else that is the law.
+        let takes_most = left_part(current, &next) < 0.5;
+        let is_told = is_sure && takes_most && log_odds >= CLEAR_GAIN;
         if !is_told && lead.is_some() {
             break;
         }
@@ -112,7 +114,9 @@ pub(crate) fn look<'g>(
             },
             model: next,
         });
-        if !(is_more && p_leftover.is_some_and(|p| p < RIGHT_FROM)) {
+        // Beside something of which only the place is known nothing more can be.
+        let is_law = round.told.place.is_some();
+        if !(is_law && is_more && p_leftover.is_some_and(|p| p < RIGHT_FROM)) {
             break;
         }
         later = lead.as_ref().map(|lead| {
@@ -196,6 +200,7 @@ impl<'g> Round<'g> {
             directions,
             laws: &columns,
             model,
+            absent: input.absent,
         }
         .weigh();
         let masses = weighed.masses();

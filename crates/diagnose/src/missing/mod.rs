@@ -14,4 +14,5 @@ pub(crate) mod policy;
 mod posterior;
 mod simple;
 mod told;
+mod unlisted;
 pub(crate) mod weighed;

@@ -15,6 +15,11 @@ pub(super) const NEAR_BESIDE: f64 = 12.0;
 /// Prior weights, those of all laws and equations together being one: that runs differ; slow noise.
 pub(super) const DIFFERS: f64 = 0.05;
 pub(super) const SLOW: f64 = 0.05;
+/// That something follows the drive which is none of the laws, in the current and in the bending together; of how many relaxations
+/// such an answer is, and of all runs' own together, for the time that they take.
+pub(super) const UNLISTED: f64 = 0.4;
+pub(super) const RELAXATIONS: usize = 6;
+pub(super) const MOST_RELAXATIONS: usize = 60;
 /// What the width of a strength costs where an equation was not fitted in full: the logarithm of as many standard deviations
 /// as are thought of.
 pub(super) const UNFITTED: f64 = 5.0;

@@ -12,9 +12,11 @@ use rayon::prelude::*;
 use super::columns::{LawColumns, columns_of};
 use super::evidence::{evidence, process};
 use super::policy::{
-    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
+    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNLISTED,
 };
 use super::simple::{Top, simple};
+use super::unlisted::{Unlisted, unlisted};
+use crate::options::AbsentLaw;
 use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::evidence::{Process, Varying, log_evidence, log_sum, slow_noise};
 use crate::fitting::fitted::Fitted;
@@ -33,6 +35,8 @@ pub(crate) enum Says {
     Equation(&'static str),
     /// Parameters differ between runs.
     Differ,
+    /// Something at its site that is none of the laws.
+    Unlisted,
 }
 
 /// A hypothesis with its weight, logarithms over that of the base alone.
@@ -46,16 +50,21 @@ pub(crate) struct Weight<'g> {
     pub(crate) prior: f64,
     /// What the widths of priors and peaks cost (Occam's factor).
     pub(crate) occam: f64,
-    /// Parameters that it adds.
-    pub(crate) free: usize,
+    /// Parameters that it adds, or as many as the readings determine of them.
+    pub(crate) free: f64,
     /// The model in full, where it was fitted.
     pub(crate) fitted: Option<Fitted<'g>>,
+    /// What is no model but random functions: they are asked again in a likelihood that is broader.
+    pub(crate) random: Option<Unlisted>,
 }
 
 impl Weight<'_> {
     /// Its logarithm where falls are divided by `t`: a likelihood that is so much broader leaves less to pay for widths.
     fn log(&self, t: f64) -> f64 {
-        let occam = (self.occam + 0.5 * self.free as f64 * t.ln()).min(0.0);
+        if let Some(random) = &self.random {
+            return random.log(t) + self.prior;
+        }
+        let occam = (self.occam + 0.5 * self.free * t.ln()).min(0.0);
         let all = self.fall / t + occam + self.prior;
         if all.is_nan() { f64::NEG_INFINITY } else { all }
     }
@@ -78,6 +87,7 @@ pub(crate) struct Asked<'a, 'g> {
     pub(crate) directions: &'a [Direction],
     pub(crate) laws: &'a [LawColumns],
     pub(crate) model: &'static FitModel,
+    pub(crate) absent: Option<AbsentLaw>,
 }
 
 impl<'g> Asked<'_, 'g> {
@@ -86,6 +96,7 @@ impl<'g> Asked<'_, 'g> {
         let candidates = fit_candidates(self.current, self.residuals, self.signatures, self.directions);
         let mut all = self.equations(&candidates);
         all.extend(self.curves(&all));
+        all.retain(|own| !self.absent.is_some_and(|absent| own.place.is_some_and(|place| absent.is(&place))));
         share_priors(&mut all);
         // Beside a law runs are not asked again whether they differ.
         let is_base = self.current.problem.effects.is_empty();
@@ -102,19 +113,43 @@ impl<'g> Asked<'_, 'g> {
                 fall,
                 prior: DIFFERS.ln(),
                 occam: log - fall,
-                free: varying.free(),
+                free: varying.free() as f64,
                 fitted: None,
+                random: None,
             });
         }
         let slow = slow_noise(self.group, &tangent, self.residuals);
         let logs: Vec<f64> = all.iter().map(|own| own.log(1.0)).collect();
         let rest = log_sum(&logs);
         let slow = slow.fall + slow.occam.min(0.0) + SLOW.ln();
+        all.extend(self.unlisted(&tangent));
         Weighed {
             all,
             varying,
             slow_noise: (1.0 + (rest - slow).exp()).recip(),
         }
+    }
+
+    /// What follows the drive and is no law of the list.
+    fn unlisted(&self, tangent: &Tangent) -> Vec<Weight<'g>> {
+        let found = unlisted(self.group, &self.current.base(), tangent, self.residuals);
+        let prior = (UNLISTED / found.len().max(1) as f64).ln();
+        let weight = |own: Unlisted| Weight {
+            says: Says::Unlisted,
+            place: Some(Place {
+                site: own.site,
+                law: "",
+                of: "",
+                variable: "",
+            }),
+            fall: own.fall(),
+            prior,
+            occam: 0.0,
+            free: 0.0,
+            fitted: None,
+            random: Some(own),
+        };
+        found.into_iter().map(weight).collect()
     }
 
     /// Every law as a smooth function, fitted in full until one that was leads; and as a curve of textbooks that is none of the
@@ -193,8 +228,9 @@ impl<'g> Asked<'_, 'g> {
                 fall,
                 prior: 0.0,
                 occam,
-                free: candidate.extra,
+                free: candidate.extra as f64,
                 fitted: candidate.fitted.clone(),
+                random: None,
             })
         };
         candidates.par_iter().filter_map(of).collect()
@@ -223,8 +259,9 @@ impl<'g> Curve<'g> {
             fall: 0.5 * first,
             prior: 0.0,
             occam: evidence.log - 0.5 * first,
-            free: law.law.weights(),
+            free: law.law.weights() as f64,
             fitted: None,
+            random: None,
         };
         Some(Curve {
             weight,
@@ -263,7 +300,7 @@ impl<'g> Curve<'g> {
             says: Says::Textbook(self.law),
             fall: parts.fall,
             occam: parts.occam,
-            free: parts.free,
+            free: parts.free as f64,
             ..self.weight.clone()
         })
     }

@@ -30,6 +30,7 @@ pub(crate) fn alone(runs: &[RunInput], options: &DiagnoseOptions) -> Vec<RunAlon
                     bins: &bins,
                     draws: options.draws,
                     seed: options.seed,
+                    absent: options.absent,
                 };
                 let (null, directions) = input.null(&base, 0);
                 let observed = null.observe(group, &base.residuals(), &directions);

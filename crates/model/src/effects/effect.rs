@@ -1,5 +1,7 @@
 //! What every candidate effect answers.
 
+use std::fmt;
+
 use super::about::About;
 use super::search::{Scale, Search};
 use crate::extended::{RunContext, System};
@@ -47,4 +49,28 @@ pub struct Applied {
     pub variant: usize,
     /// Parameters in the order of [`About::parameters`].
     pub parameters: Vec<f64>,
+}
+
+impl Applied {
+    /// The same effect in the same form with these parameters.
+    pub fn with(&self, parameters: &[f64]) -> Applied {
+        Applied {
+            parameters: parameters.to_vec(),
+            ..self.clone()
+        }
+    }
+}
+
+impl fmt::Debug for Applied {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        let id = self.effect.about().id;
+        write!(out, "{id} {} {:?}", self.variant, self.parameters)
+    }
+}
+
+impl PartialEq for Applied {
+    fn eq(&self, other: &Applied) -> bool {
+        let all = |own: &Applied| (own.effect.about().id, own.variant);
+        all(self) == all(other) && self.parameters == other.parameters
+    }
 }

@@ -209,6 +209,7 @@ fn halving_all_steps_changes_little() {
                 let fine = Responses {
                     current_a: every_second(&fine.current_a),
                     curvature_per_cm: every_second(&fine.curvature_per_cm),
+                    ..Responses::default()
                 };
                 let changed = apart(&coarse, &respond(&[], &levels, &coarse_s, &coarse_s));
                 let left = apart(&coarse, &fine);

@@ -13,6 +13,10 @@ pub struct Responses {
     pub current_a: Vec<f64>,
     /// Measured curvature, 1/cm.
     pub curvature_per_cm: Vec<f64>,
+    /// At the times of the current: charge on the capacitors, C.
+    pub charge_c: Vec<f64>,
+    /// At the times of the current: charge that has leaked since the drive began, whichever way it flowed, C.
+    pub leaked_charge_c: Vec<f64>,
 }
 
 /// Everything that a run remembers.
@@ -24,6 +28,8 @@ struct State {
     storage: Vec<f64>,
     /// Charge since the start of the drive that bends, mean over the nodes, C/cm2.
     charge: f64,
+    /// Charge that has leaked since then, whichever way it flowed, C/cm2.
+    leaked: f64,
     /// Strain of every mode of relaxation, in units of areal charge.
     strain: Vec<f64>,
     /// What the laws remember.
@@ -47,6 +53,7 @@ impl State {
         self.memory.copy_from_slice(&other.memory);
         self.nodes_v.copy_from_slice(&other.nodes_v);
         self.charge = other.charge;
+        self.leaked = other.leaked;
         self.source_v = other.source_v;
         self.source_v_per_s = other.source_v_per_s;
         self.terminal_v = other.terminal_v;
@@ -98,6 +105,7 @@ impl<'a> Stepper<'a> {
             capacitor_v: node.repeat(self.nodes),
             storage: vec![1.0; self.system.branches.len()],
             charge: 0.0,
+            leaked: 0.0,
             strain: vec![0.0; self.system.relaxation.len()],
             memory: vec![0.0; self.system.laws.len()],
             source_v: baseline_v,
@@ -114,6 +122,7 @@ impl<'a> Stepper<'a> {
         let start_s = self.run.start_s();
         let mut current_a = vec![0.0; times.len()];
         let mut curvature = vec![0.0; times.len()];
+        let (mut charge_c, mut leaked_c) = (vec![0.0; times.len()], vec![0.0; times.len()]);
         let mut state = self.rest();
         let mut work = Work::new(self);
         self.act(&state, &mut work, start_s, start_s);
@@ -140,6 +149,8 @@ impl<'a> Stepper<'a> {
                     state.source_v_per_s = self.system.ramp_v_per_s(state.source_v, v);
                 }
             }
+            charge_c[k] = self.run.area_cm2 * self.stored(&state, &work);
+            leaked_c[k] = self.run.area_cm2 * state.leaked;
             let Some((edge_s, level)) = segment else {
                 current_a[k] = at_rest_a + self.system.current_offset_a;
                 continue;
@@ -150,6 +161,7 @@ impl<'a> Stepper<'a> {
                 state.source_v = v;
             }
             self.see(&mut state, &mut work, t, edge_s, level);
+            charge_c[k] = self.run.area_cm2 * self.stored(&state, &work);
             let read_a = self.system.current_offset_a + work.now.added_current_a;
             current_a[k] = self.run.area_cm2 * state.current + read_a;
             curvature[k] = work.curvature;
@@ -163,10 +175,22 @@ impl<'a> Stepper<'a> {
         let shares = grid.shares as f64;
         Responses {
             current_a: grid.current.of(&current_a),
+            charge_c: grid.current.of(&charge_c),
+            leaked_charge_c: grid.current.of(&leaked_c),
             curvature_per_cm: (grid.curvature.of(&curvature).chunks(grid.shares))
                 .map(|seen| seen.iter().sum::<f64>() / shares)
                 .collect(),
         }
+    }
+
+    /// Charge on the capacitors, C/cm2.
+    fn stored(&self, state: &State, work: &Work) -> f64 {
+        let branches = self.system.branches.len();
+        let of_node = |e: &[f64]| -> f64 {
+            let each = e.iter().zip(&work.now.capacitance_f_per_cm2).zip(&state.storage);
+            each.map(|((e, capacitance), storage)| e * capacitance * storage).sum()
+        };
+        state.capacitor_v.chunks(branches).map(of_node).sum::<f64>() / self.nodes as f64
     }
 
     /// Terminal voltage, current, coefficients and curvature at this instant.
@@ -327,6 +351,8 @@ impl<'a> Stepper<'a> {
             mean_v += (from + to) / 2.0;
         }
         let per_node = 1.0 / self.nodes as f64;
+        let leak_s = work.now.steady_s_per_cm2 + work.now.leak_s_per_cm2;
+        state.leaked += h * (mean_v * per_node * leak_s + work.now.leak_a_per_cm2).abs();
         let steady = mean_v * work.now.steady_s_per_cm2 * system.steady_bends;
         let charges = system.branches.iter().enumerate();
         let ramped = charges.map(|(k, b)| b.bends * work.now.capacitance_f_per_cm2[k] * work.ramped[k]);

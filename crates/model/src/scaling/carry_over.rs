@@ -38,6 +38,11 @@ pub enum ScalingError {
         "the strip charges unevenly along its length, and a humidity that changes cannot be predicted there: ask for one humidity, --rh"
     )]
     ChangesAlong,
+    /// Laws are known of the strip, and of the conditions, that they were found in.
+    #[error(
+        "laws that were found beside the model are known of that strip, all along it and in one humidity: ask for the strip itself"
+    )]
+    LawsElsewhere,
     /// The covariance belongs to other parameters.
     #[error("the covariance has {found} entries; {parameters} parameters need {needed}")]
     CovarianceSize {

@@ -1,12 +1,13 @@
 //! What a strip of another size will do, with the uncertainty of the identified parameters and of both sizes.
 
-use super::propagation::{Identified, derivatives, deviations, values};
+use super::propagation::{Identified, Strip, derivatives, deviations, extended};
 use super::{ScalingError, StripSize, lumped_model};
 use crate::changing::{Change, Changing, Now};
 use crate::coupling::CurvaturePerArealCharge;
 use crate::distributed::branched::BranchedStrip;
 use crate::distributed::criterion::LUMPED_TOLERANCE;
 use crate::distributed::{Laminate, LumpedError};
+use crate::effects::Applied;
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
 use ieap_domain::Drive;
@@ -64,8 +65,8 @@ pub struct Prediction {
 /// [`LUMPED_TOLERANCE`] on the new strip, the distributed one is taken.
 ///
 /// # Errors
-/// The strips have no area or another thickness, the covariance does not belong to the model's parameters, or the
-/// distributed model is needed for a drive with an open circuit.
+/// The strips have no area or another thickness, the covariance does not belong to the model's parameters, the distributed
+/// model is needed for a drive with an open circuit, or laws are asked of another strip.
 pub fn predict(
     identified: &Identified,
     to: &StripSize,
@@ -73,7 +74,7 @@ pub fn predict(
     time_s: &[f64],
 ) -> Result<Prediction, ScalingError> {
     let model = lumped_model(identified.model, identified.size, to)?;
-    let n = values(identified.model).len();
+    let n = identified.values().len();
     if identified.covariance.len() != n * n {
         return Err(ScalingError::CovarianceSize {
             found: identified.covariance.len(),
@@ -91,19 +92,23 @@ pub fn predict(
     if electrodes.is_some() && !identified.changes.is_empty() {
         return Err(ScalingError::ChangesAlong);
     }
+    let is_plain = electrodes.is_none() && identified.changes.is_empty() && identified.size == to;
+    if !identified.laws.is_empty() && !is_plain {
+        return Err(ScalingError::LawsElsewhere);
+    }
     let asked = Asked {
         electrodes,
         changes: identified.changes,
         drive,
         time_s,
     };
-    let found = asked.respond(&model, to)?;
-    let changed = |model: &LumpedModel| {
+    let found = asked.respond(&model, identified.laws, to)?;
+    let changed = |model: &LumpedModel, laws: &[Applied]| {
         let carried = lumped_model(model, identified.size, to).ok()?;
-        asked.respond(&carried, to).ok()
+        asked.respond(&carried, laws, to).ok()
     };
     let slopes = derivatives(identified, &found, changed);
-    let by_length = asked.length_slopes(&model, to, &found)?;
+    let by_length = asked.length_slopes(&model, identified.laws, to, &found)?;
     let areas = identified
         .size
         .relative_area_error()
@@ -159,26 +164,43 @@ struct Asked<'a> {
 impl Asked<'_> {
     /// What a strip of that size and model does, in the order of [`Prediction`]: current, charge, leaked charge, curvature,
     /// tip, then the links.
-    fn respond(&self, model: &LumpedModel, of: &StripSize) -> Result<Vec<Vec<f64>>, ScalingError> {
+    fn respond(
+        &self,
+        model: &LumpedModel,
+        laws: &[Applied],
+        of: &StripSize,
+    ) -> Result<Vec<Vec<f64>>, ScalingError> {
         let area = of.active_area();
         let (drive, time_s) = (self.drive, self.time_s);
         let link_cm = area.length_cm / LINKS as f64;
+        let evenly = |mut series: Vec<Vec<f64>>, curvature: Vec<f64>| {
+            let tip =
+                |curvature: &f64| 10.0 * Shape::from_curvature(&[*curvature], area.length_cm).tip_cm().1;
+            let tips = curvature.iter().map(tip).collect();
+            series.extend([curvature.clone(), tips]);
+            series.extend(std::iter::repeat_n(curvature, LINKS));
+            series
+        };
+        if !laws.is_empty() {
+            let strip = Strip {
+                drive,
+                area_cm2: area.area_cm2(),
+                length_cm: Some(area.length_cm),
+            };
+            let found = extended(model, laws, &strip, [time_s, time_s]);
+            let of_current = vec![found.current_a, found.charge_c, found.leaked_charge_c];
+            return Ok(evenly(of_current, found.curvature_per_cm));
+        }
         let Some(electrode_resistance_ohm_per_sq) = self.electrodes else {
             let changing = Changing::new(model, self.changes, drive);
             let now: Vec<Now> = time_s.iter().map(|t| changing.at(*t, area.area_cm2())).collect();
             let of = |one: fn(&Now) -> f64| -> Vec<f64> { now.iter().map(one).collect() };
-            let curvature = of(|now| now.curvature_per_cm);
-            let tip =
-                |curvature: &f64| 10.0 * Shape::from_curvature(&[*curvature], area.length_cm).tip_cm().1;
-            let mut series = vec![
+            let of_current = vec![
                 of(|now| now.current_a),
                 of(|now| now.charge_c),
                 of(|now| now.leaked_charge_c),
-                curvature.clone(),
-                curvature.iter().map(tip).collect(),
             ];
-            series.extend(std::iter::repeat_n(curvature, LINKS));
-            return Ok(series);
+            return Ok(evenly(of_current, of(|now| now.curvature_per_cm)));
         };
         let strip = BranchedStrip {
             model,
@@ -216,6 +238,7 @@ impl Asked<'_> {
     fn length_slopes(
         &self,
         model: &LumpedModel,
+        laws: &[Applied],
         to: &StripSize,
         at: &[Vec<f64>],
     ) -> Result<Vec<Vec<f64>>, ScalingError> {
@@ -226,7 +249,7 @@ impl Asked<'_> {
         let with = |change_mm: f64| {
             let mut changed = *to;
             changed.length_mm.value += change_mm;
-            self.respond(&lumped_model(model, to, &changed)?, &changed)
+            self.respond(&lumped_model(model, to, &changed)?, laws, &changed)
         };
         let (longer, shorter) = (with(step_mm)?, with(-step_mm)?);
         let pairs = longer.iter().zip(&shorter);

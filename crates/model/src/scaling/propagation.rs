@@ -6,6 +6,8 @@ use ieap_numerics::symmetric::Symmetric;
 
 use super::size::{StripSize, UNIT_SIZE};
 use crate::changing::Change;
+use crate::effects::Applied;
+use crate::extended::{ExtendedModel, Responses, RunContext};
 use crate::lumped::{Branch, LumpedModel};
 
 /// Information that every parameter has of itself beside the readings, in units of its standard error: it keeps those
@@ -17,7 +19,9 @@ const OWN_INFORMATION: f64 = 1e-8;
 pub struct Identified<'a> {
     /// The model of the identified strip.
     pub model: &'a LumpedModel,
-    /// Covariance of its parameters, row by row, in the order R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda and in
+    /// Laws that were found beside it; empty where it is the whole model.
+    pub laws: &'a [Applied],
+    /// Covariance of all parameters, row by row, in the order R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda, those of the laws, and in
     /// their units. Parameters given with their variances alone (a diagonal) are taken as uncorrelated, which
     /// those of one fit seldom are.
     pub covariance: &'a [f64],
@@ -29,7 +33,26 @@ pub struct Identified<'a> {
     pub changes: &'a [Change],
 }
 
-/// The parameters in the covariance's order: R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda.
+impl Identified<'_> {
+    /// All parameters in the covariance's order.
+    pub fn values(&self) -> Vec<f64> {
+        let of_laws = self.laws.iter().flat_map(|law| law.parameters.iter().copied());
+        values(self.model).into_iter().chain(of_laws).collect()
+    }
+
+    /// The model and its laws with these parameters, in that order.
+    fn with(&self, values: &[f64]) -> (LumpedModel, Vec<Applied>) {
+        let (of_model, mut rest) = values.split_at(self::values(self.model).len());
+        let of_law = |law: &Applied| {
+            let (own, later) = rest.split_at(law.parameters.len());
+            rest = later;
+            law.with(own)
+        };
+        (with_values(of_model), self.laws.iter().map(of_law).collect())
+    }
+}
+
+/// The parameters of a model in the covariance's order: R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda.
 pub fn values(model: &LumpedModel) -> Vec<f64> {
     let branches = model.branches.iter();
     let mut values: Vec<f64> = branches
@@ -65,9 +88,9 @@ pub fn with_values(values: &[f64]) -> LumpedModel {
 pub(super) fn derivatives(
     identified: &Identified,
     at: &[Vec<f64>],
-    respond: impl Fn(&LumpedModel) -> Option<Vec<Vec<f64>>>,
+    respond: impl Fn(&LumpedModel, &[Applied]) -> Option<Vec<Vec<f64>>>,
 ) -> Vec<Vec<Vec<f64>>> {
-    let parameters = values(identified.model);
+    let parameters = identified.values();
     let n = parameters.len();
     let none = || at.iter().map(|series| vec![0.0; series.len()]).collect();
     let of_parameter = |k: usize| -> Vec<Vec<f64>> {
@@ -84,7 +107,8 @@ pub(super) fn derivatives(
         let with = |change: f64| {
             let mut changed = parameters.clone();
             changed[k] += change;
-            respond(&with_values(&changed))
+            let (model, laws) = identified.with(&changed);
+            respond(&model, &laws)
         };
         let Some((high, low)) = with(above).zip(with(-below)) else {
             return none();
@@ -108,6 +132,37 @@ pub(super) fn deviations(covariance: &[f64], slopes: &[&[f64]], times: usize) ->
     (0..times).map(|time| variance(time).max(0.0).sqrt()).collect()
 }
 
+/// A strip under a drive.
+pub(super) struct Strip<'a> {
+    pub(super) drive: &'a Drive,
+    pub(super) area_cm2: f64,
+    pub(super) length_cm: Option<f64>,
+}
+
+/// What a model with laws does at times of current and of curvature, in a run that is none of those it was found from: what
+/// happened in one of these alone does not happen again.
+pub(super) fn extended(
+    model: &LumpedModel,
+    laws: &[Applied],
+    strip: &Strip,
+    [current_s, curvature_s]: [&[f64]; 2],
+) -> Responses {
+    let context = RunContext {
+        index: usize::MAX,
+        drive: strip.drive,
+        area_cm2: strip.area_cm2,
+        length_cm: strip.length_cm,
+        duration_s: current_s.iter().chain(curvature_s).copied().fold(0.0, f64::max),
+        resolved_s: None,
+        tags: &[],
+    };
+    let model = ExtendedModel {
+        base: model.clone(),
+        effects: laws.to_vec(),
+    };
+    model.responses(&context, current_s, curvature_s)
+}
+
 /// What a run was read at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadAt<'a> {
@@ -115,6 +170,8 @@ pub struct ReadAt<'a> {
     pub drive: &'a Drive,
     /// Active area, cm2.
     pub area_cm2: f64,
+    /// Free length, cm; none where it is not known.
+    pub length_cm: Option<f64>,
     /// Times of readings of the current, s, and their standard deviation, A.
     pub current: (&'a [f64], f64),
     /// Times of readings of the curvature, s, and their standard deviation, 1/cm.
@@ -123,7 +180,12 @@ pub struct ReadAt<'a> {
 
 /// Covariance of parameters whose standard errors are known and whose correlations are those that readings at these
 /// times leave: those of the inverse of the information, the noise taken as white. A fit stores the errors alone.
-pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -> Vec<f64> {
+pub fn covariance(
+    model: &LumpedModel,
+    laws: &[Applied],
+    standard_errors: &[f64],
+    read: &ReadAt,
+) -> Vec<f64> {
     let n = standard_errors.len();
     let diagonal: Vec<f64> = (0..n * n)
         .map(|k| {
@@ -134,20 +196,31 @@ pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -
             }
         })
         .collect();
-    let respond = |model: &LumpedModel| {
-        Some(vec![
-            model.current_a(read.drive, read.area_cm2, read.current.0),
-            model.curvature_per_cm(read.drive, read.area_cm2, read.curvature.0),
-        ])
+    let respond = |model: &LumpedModel, laws: &[Applied]| {
+        let found = if laws.is_empty() {
+            let current = model.current_a(read.drive, read.area_cm2, read.current.0);
+            let curvature = model.curvature_per_cm(read.drive, read.area_cm2, read.curvature.0);
+            vec![current, curvature]
+        } else {
+            let strip = Strip {
+                drive: read.drive,
+                area_cm2: read.area_cm2,
+                length_cm: read.length_cm,
+            };
+            let found = extended(model, laws, &strip, [read.current.0, read.curvature.0]);
+            vec![found.current_a, found.curvature_per_cm]
+        };
+        Some(found)
     };
     let identified = Identified {
         model,
+        laws,
         covariance: &diagonal,
         size: &UNIT_SIZE,
         electrode_resistance_ohm_per_sq: None,
         changes: &[],
     };
-    let at = respond(model).unwrap_or_default();
+    let at = respond(model, laws).unwrap_or_default();
     let slopes = derivatives(&identified, &at, respond);
     let weights = [read.current.1, read.curvature.1]
         .map(|deviation| if deviation > 0.0 { deviation.powi(-2) } else { 0.0 });

@@ -4,7 +4,7 @@ use super::asked::{AskedStrip, size_of};
 use super::misfit::{KnownMisfit, found_onset, known_misfit};
 use super::source::{LeftOutEntry, Source, applied};
 use super::surroundings::{BroughtEntry, Surroundings};
-use crate::analysis::forecast::{Applied, Beside, Forecast, Told, forecast};
+use crate::analysis::forecast::{Applied, Beside, Forecast, Told, forecast, is_alike};
 use crate::domain::tag::keys;
 use crate::domain::{Drive, Estimate, Quantity, RunRecord, Sample, range_of};
 use crate::model::scaling::prediction::LINKS;
@@ -101,7 +101,9 @@ impl Grounds {
                 _ => Ok(from),
             };
             let curves = drawn.of(run)?.curves;
-            match size.and_then(|size| Source::of(run, &curves, number, &size)) {
+            let source = size.and_then(|size| Source::of(run, &curves, number, &size));
+            let is_elsewhere = asked.is_another() || surroundings.brings();
+            match source.and_then(|source| with_its_laws(source, is_elsewhere, &sources)) {
                 Ok(mut source) => {
                     surroundings.bring(&mut source);
                     sources.push(source);
@@ -354,6 +356,27 @@ fn all_keys(sources: &[Source]) -> Vec<String> {
 /// The voltages of a drive up to the last of the times.
 pub(super) fn applied_until(drive: &Drive, time_s: &[f64]) -> Applied {
     applied(drive, time_s.iter().copied().fold(0.0, f64::max))
+}
+
+/// A run whose group was fitted with laws, or why it tells nothing: laws are known of the strip and the conditions that they were
+/// found in, and runs of one group at one voltage share all of their parameters.
+fn with_its_laws(source: Source, is_elsewhere: bool, before: &[Source]) -> Result<Source, String> {
+    if source.laws.is_empty() {
+        return Ok(source);
+    }
+    if is_elsewhere {
+        return Err(format!(
+            "it is fitted with {}, whose laws are known of that strip and these conditions alone",
+            source.fitted_with
+        ));
+    }
+    let is_same = |other: &&Source| {
+        (&other.model, &other.laws) == (&source.model, &source.laws) && is_alike(other.step_v, source.step_v)
+    };
+    match before.iter().find(is_same) {
+        Some(first) => Err(format!("it was fitted together with {}, which tells the same", first.run)),
+        None => Ok(source),
+    }
 }
 
 fn without_errors(source: &Source) -> Source {

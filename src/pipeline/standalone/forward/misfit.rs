@@ -28,6 +28,9 @@ pub(super) fn known_misfit(
     measured: impl Fn(&RunRecord, Quantity) -> Result<Vec<f64>, PipelineError>,
 ) -> Result<KnownMisfit, PipelineError> {
     let of_sources = diagnosed(groups, sources);
+    // A diagnosis says what the base model gets wrong: of a model that has laws it is what its own fits leave.
+    let has_laws = sources.iter().any(|source| !source.laws.is_empty());
+    let of_sources = if has_laws { Vec::new() } else { of_sources };
     let largest = |percent: &dyn Fn(&GroupDiagnosis) -> Option<f64>| {
         let all = of_sources.iter().filter_map(|group| percent(group));
         all.reduce(f64::max).map(|percent| percent / 100.0)
@@ -61,8 +64,12 @@ pub(super) fn known_misfit(
         current,
         curvature: left(Quantity::Curvature)?,
         charge: current,
-        source: "No diagnosis is stored for these runs: what their fits leave beyond the noise stands for what the model gets wrong (`ieap diagnose` says more)."
-            .to_owned(),
+        source: if has_laws {
+            "What the fits with their laws leave beyond the noise stands for what the model gets wrong.".to_owned()
+        } else {
+            "No diagnosis is stored for these runs: what their fits leave beyond the noise stands for what the model gets wrong (`ieap diagnose` says more)."
+                .to_owned()
+        },
     })
 }
 

@@ -6,7 +6,9 @@ use serde::Serialize;
 use crate::analysis::forecast::Applied;
 use crate::domain::quantiles::NORMAL_95;
 use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
+use crate::diagnose::laws_of;
 use crate::fit::EdgeTimes;
+use crate::model::effects::Applied as Law;
 use crate::model::changing::Change;
 use crate::model::scaling::propagation::{ReadAt, covariance, with_values};
 use crate::model::scaling::{Identified, StripSize};
@@ -30,6 +32,8 @@ pub(in crate::pipeline::standalone) struct Source {
     pub keys: Vec<String>,
     /// The model of its strip.
     pub model: LumpedModel,
+    /// Laws that were found beside it in its group; empty where none was adopted.
+    pub laws: Vec<Law>,
     /// Models that the laws allow as well which brought it to the conditions asked for.
     pub variants: Vec<LumpedModel>,
     /// How the parameters change under the drive: those of the model, and of each variant; empty where they do not.
@@ -68,24 +72,21 @@ impl Source {
     ) -> Result<Source, String> {
         let fit = run.fit.as_ref().ok_or("it has no fit")?;
         let drive = run.drive.as_ref().ok_or("its drive is not known")?;
-        if fit.is_of_group() {
-            return Err(format!(
-                "it is fitted with {}, whose effects are not carried to another strip or drive",
-                fit.model
-            ));
-        }
-        let read = Read::of(fit)?;
+        let mut read = Read::of(fit)?;
+        read.add_laws()?;
         let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
         let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
         let last_s = curves.iter().map(last).fold(start_s, f64::max);
+        let of_strip = (run.area_cm2.unwrap_or(1.0), Some(0.1 * size.length_mm.value));
         Ok(Source {
             run: run.path.clone(),
             fitted_with: fit.model.clone(),
             sample,
             step_v: applied(drive, last_s).typical_v,
-            covariance: correlated(fit, &read, drive, run.area_cm2.unwrap_or(1.0), curves),
+            covariance: correlated(fit, &read, drive, of_strip, curves),
             keys: read.keys,
             model: read.model,
+            laws: read.laws,
             variants: Vec::new(),
             changes: Vec::new(),
             variant_changes: Vec::new(),
@@ -101,6 +102,7 @@ impl Source {
     pub fn identified(&self, electrode_resistance_ohm_per_sq: Option<f64>) -> Identified<'_> {
         Identified {
             model: &self.model,
+            laws: &self.laws,
             covariance: &self.covariance,
             size: &self.size,
             electrode_resistance_ohm_per_sq,
@@ -145,7 +147,7 @@ pub fn fitted_covariance(fit: &Fit, drive: &Drive, area_cm2: f64) -> Option<(Vec
     let read = Read::of(fit)
         .ok()
         .filter(|read| fit.model.starts_with("lumped-") && !read.errors.is_empty())?;
-    let whole = correlated(fit, &read, drive, area_cm2, &fit.curves);
+    let whole = correlated(fit, &read, drive, (area_cm2, None), &fit.curves);
     let all = read.keys.len();
     let told = |at: &usize| read.errors[*at] > 0.0 && !read.bounded.contains(&read.keys[*at]);
     let kept: Vec<usize> = (0..all).filter(told).collect();
@@ -154,7 +156,13 @@ pub fn fitted_covariance(fit: &Fit, drive: &Drive, area_cm2: f64) -> Option<(Vec
     Some((keys, kept.iter().map(row).collect()))
 }
 
-fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[RunCurve]) -> Vec<f64> {
+fn correlated(
+    fit: &Fit,
+    read: &Read,
+    drive: &Drive,
+    (area_cm2, length_cm): (f64, Option<f64>),
+    curves: &[RunCurve],
+) -> Vec<f64> {
     let at = |quantity: Quantity| -> (&[f64], f64) {
         let curve = curves.iter().find(|curve| curve.quantity == quantity);
         let noise = fit.noise.iter().find(|noise| noise.quantity == quantity);
@@ -165,16 +173,18 @@ fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[Ru
     let read_at = ReadAt {
         drive: edges.drive(),
         area_cm2,
+        length_cm,
         current: at(Quantity::Current),
         curvature: at(Quantity::Curvature),
     };
-    covariance(&read.model, &read.errors, &read_at)
+    covariance(&read.model, &read.laws, &read.errors, &read_at)
 }
 
 /// A fit as a lumped model, with the standard errors in the order of the covariance.
 struct Read<'a> {
     fit: &'a Fit,
     model: LumpedModel,
+    laws: Vec<Law>,
     /// Whether its bending is known.
     bends: bool,
     /// Keys of the parameters, in that order.
@@ -189,6 +199,7 @@ impl Read<'_> {
         let mut read = Read {
             fit,
             model: with_values(&[0.0; 3]),
+            laws: Vec::new(),
             bends: false,
             keys: Vec::new(),
             errors: Vec::new(),
@@ -205,6 +216,20 @@ impl Read<'_> {
             read.gather(key, known.map_or(0.0, |(_, error)| error));
         }
         Ok(read)
+    }
+
+    /// The laws that its group was fitted with.
+    fn add_laws(&mut self) -> Result<(), String> {
+        self.laws = laws_of(self.fit)?;
+        for law in &self.laws {
+            let about = law.effect.about();
+            for own in about.parameters {
+                let key = format!("{}.{}", about.id, own.key);
+                self.errors.push(self.fit.parameter(&key).map_or(0.0, error_of));
+                self.keys.push(key);
+            }
+        }
+        Ok(())
     }
 
     fn gather(&mut self, key: &str, error: f64) {

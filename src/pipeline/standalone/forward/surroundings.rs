@@ -166,9 +166,14 @@ impl Surroundings {
         course.into_iter().chain([way.condition.to])
     }
 
+    /// Whether runs are taken to conditions in which they were not made.
+    pub fn brings(&self) -> bool {
+        !self.ways.is_empty()
+    }
+
     /// Takes the parameters of a run to the conditions, their errors in proportion.
     pub fn bring(&self, source: &mut Source) {
-        if self.ways.is_empty() {
+        if !self.brings() {
             return;
         }
         let before = values(&source.model);

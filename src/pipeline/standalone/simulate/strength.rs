@@ -130,6 +130,7 @@ impl Spec {
             Ok(Responses {
                 current_a: found.current_a,
                 curvature_per_cm: found.curvature_per_cm,
+                ..Responses::default()
             })
         };
         runs.iter().zip(design).map(of_run).collect()

@@ -33,6 +33,7 @@ impl Column {
 }
 
 /// What columns with random coefficients of one size say of residuals, after a refit.
+#[derive(Clone)]
 pub(crate) struct Process {
     products: Symmetric,
     with_residuals: Vec<f64>,
@@ -118,6 +119,15 @@ impl Process {
         (found, fall)
     }
 
+    /// The same where every square is divided by `t`: in noise of so much larger a variance.
+    pub(crate) fn broadened(&self, t: f64) -> Process {
+        let order = self.products.order();
+        Process {
+            products: Symmetric::from_fn(order, |a, b| self.products.get(a, b) / t),
+            with_residuals: self.with_residuals.iter().map(|v| v / t).collect(),
+        }
+    }
+
     /// What the likelihood gains, and what the widths cost.
     pub(crate) fn parts(&self, amplitude: f64) -> (f64, f64) {
         let order = self.products.order();
@@ -150,5 +160,8 @@ mod tests {
         let (fall, width) = process.parts(a);
         assert!((fall + width - expected).abs() < 1e-9);
         assert_eq!(process.parts(0.0), (0.0, 0.0));
+        let wide = 1.0 + a * a * 25.0 / 4.0;
+        let (fall, width) = process.broadened(4.0).parts(a);
+        assert!((fall - 0.5 * 25.0 * (1.0 - 1.0 / wide)).abs() < 1e-9 && (width + 0.5 * wide.ln()).abs() < 1e-9);
     }
 }

@@ -1,7 +1,8 @@
 //! Predictions against strips that are drawn.
 
-use super::super::propagation::with_values;
+use super::super::propagation::{values, with_values};
 use super::*;
+use crate::effects::effect;
 use ieap_domain::typed_value::Measured;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -94,6 +95,7 @@ fn scattered(from: &StripSize, to: &StripSize, draws: usize) -> [Vec<f64>; 3] {
 fn predicted(from: &StripSize, to: &StripSize, resistance: Option<f64>) -> Prediction {
     let identified = Identified {
         model: &cnaf(),
+        laws: &[],
         covariance: &covariance(),
         size: from,
         electrode_resistance_ohm_per_sq: resistance,
@@ -165,6 +167,7 @@ fn the_distributed_model_is_taken_where_the_lumped_one_is_not_enough() {
     open.segments[0].level = ieap_domain::Level::OpenCircuit;
     let identified = Identified {
         model: &cnaf(),
+        laws: &[],
         covariance: &covariance(),
         size: &from,
         electrode_resistance_ohm_per_sq: Some(2.5),
@@ -179,6 +182,7 @@ fn a_covariance_of_another_model_is_refused() {
     let strip = size(5.0, 2.0, 0.0);
     let identified = Identified {
         model: &cnaf(),
+        laws: &[],
         covariance: &[1.0; 25],
         size: &strip,
         electrode_resistance_ohm_per_sq: None,
@@ -189,4 +193,60 @@ fn a_covariance_of_another_model_is_refused() {
         error.to_string(),
         "the covariance has 25 entries; 7 parameters need 49"
     );
+}
+
+/// What comes in is stored or leaks, with the law as without; a law that does nothing is the lumped model.
+#[test]
+fn a_strip_with_a_law_keeps_its_charge() {
+    let (strip, model) = (size(5.0, 2.0, 0.0), cnaf());
+    let leak = effect("faradaic-leak").unwrap();
+    let (n, drive) = (values(&model).len(), Drive::step(2.0));
+    let time_s: Vec<f64> = (0..=7000).map(|k| 0.1 * f64::from(k)).collect();
+    let of = |strength: Option<f64>| {
+        let laws: Vec<Applied> = strength
+            .map(|strength| Applied {
+                effect: leak,
+                variant: 0,
+                parameters: vec![strength, 1.2, 0.3],
+            })
+            .into_iter()
+            .collect();
+        let all = n + laws.iter().map(|law| law.parameters.len()).sum::<usize>();
+        let mut covariance = vec![0.0; all * all];
+        covariance[0] = 25.0;
+        if let Some(strength) = strength {
+            covariance[n * all + n] = (0.1 * strength).powi(2);
+        }
+        let identified = Identified {
+            model: &model,
+            laws: &laws,
+            covariance: &covariance,
+            size: &strip,
+            electrode_resistance_ohm_per_sq: None,
+            changes: &[],
+        };
+        predict(&identified, &strip, &drive, &time_s).unwrap()
+    };
+    let (plain, without, with) = (of(None), of(Some(0.0)), of(Some(1e-3)));
+    for (a, b) in [
+        (&plain.current_a, &without.current_a),
+        (&plain.charge_c, &without.charge_c),
+        (&plain.leaked_charge_c, &without.leaked_charge_c),
+        (&plain.curvature_per_cm, &without.curvature_per_cm),
+        (&plain.tip_displacement_mm, &without.tip_displacement_mm),
+    ] {
+        let most = a.value.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let apart = a.value.iter().zip(&b.value).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-9 * most);
+    }
+    let passed: f64 = with.current_a.value.windows(2).map(|pair| 0.05 * (pair[0] + pair[1])).sum();
+    let last = time_s.len() - 1;
+    let kept = with.charge_c.value[last] + with.leaked_charge_c.value[last];
+    assert!((passed - kept).abs() < 2e-3 * passed, "{passed} {kept}");
+    let more = with.leaked_charge_c.value[last] - plain.leaked_charge_c.value[last];
+    assert!(more > 0.1 * plain.leaked_charge_c.value[last], "{more}");
+    // The law's own error is in the prediction: a tenth of what it adds.
+    let added = with.current_a.value[last] - plain.current_a.value[last];
+    let error = with.current_a.standard_error[last];
+    assert!((0.08..0.2).contains(&(error / added)), "{error} of {added}");
 }

@@ -1,0 +1,226 @@
+//! What follows the drive and is none of the laws that are asked: the list is never complete.
+//!
+//! Where the true law is not in it, its nearest neighbour would be certain. Beside the laws stands an answer to the drive of
+//! any smooth course: random sums of relaxations after every edge, as large as the voltage, its square or its cube or growing with the
+//! clock, common to all runs or each run's own. An added current is stored, and then bends, or leaks.
+
+use ieap_model::LumpedModel;
+use ieap_model::effects::Site;
+use rayon::prelude::*;
+
+use super::evidence::evidence;
+use super::policy::{MOST_RELAXATIONS, RELAXATIONS};
+use crate::cause::evidence::{Column, Process, log_mean};
+use crate::fitting::tangent::Tangent;
+use crate::readings::group::{GroupRun, RunGroup};
+
+/// What such answers say of the residuals at a site: each by its products.
+#[derive(Clone)]
+pub(crate) struct Unlisted {
+    pub(super) site: Site,
+    answers: Vec<Process>,
+}
+
+impl Unlisted {
+    /// Logarithm of the evidence of any of them over that of nothing, in noise of `t` times the variance.
+    pub(super) fn log(&self, t: f64) -> f64 {
+        let each = self.answers.iter().filter_map(|own| Some(evidence(&own.broadened(t))?.log));
+        log_mean(&each.collect::<Vec<f64>>())
+    }
+
+    /// What the likelihood gains by the best of them.
+    pub(super) fn fall(&self) -> f64 {
+        let of = |own: &Process| {
+            let precisions = evidence(own)?.precisions;
+            Some(0.5 * own.most_probable(&precisions).1)
+        };
+        self.answers.iter().filter_map(of).fold(0.0, f64::max)
+    }
+}
+
+/// The same at both sites, beside a base model.
+pub(super) fn unlisted(
+    group: &RunGroup,
+    base: &LumpedModel,
+    tangent: &Tangent,
+    residuals: &[f64],
+) -> Vec<Unlisted> {
+    let of_site = |site: Site| {
+        // Bending is no current: it is asked once.
+        let stored: &[bool] = match site {
+            Site::Current => &[true, false],
+            _ => &[false],
+        };
+        let answers = stored.iter().flat_map(|&bends| [Of::All, Of::Each].map(|of| Answer { site, bends, of }));
+        let process = |answer: Answer| Process::of(&answer.columns(group, base), tangent, residuals);
+        let answers: Vec<Process> = answers.map(process).filter(|own| !own.is_nothing()).collect();
+        (!answers.is_empty()).then_some(Unlisted { site, answers })
+    };
+    let sites = [Site::Current, Site::Bending];
+    sites.into_par_iter().filter_map(of_site).collect()
+}
+
+/// What an answer is in proportion to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum By {
+    Voltage,
+    Square,
+    Cube,
+    Clock,
+}
+
+impl By {
+    fn of(self, volts: f64, largest_v: f64) -> f64 {
+        let part = volts / largest_v.max(f64::MIN_POSITIVE);
+        match self {
+            By::Voltage | By::Clock => part,
+            By::Square => part * part,
+            By::Cube => part.powi(3),
+        }
+    }
+}
+
+/// How the runs have part in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Of {
+    All,
+    Each,
+}
+
+/// An answer as it is asked: where, whether it is stored, whose.
+#[derive(Debug, Clone, Copy)]
+struct Answer {
+    site: Site,
+    bends: bool,
+    of: Of,
+}
+
+/// The scales of a group.
+struct Scales {
+    longest_s: f64,
+    shortest_s: f64,
+    largest_v: f64,
+}
+
+impl Scales {
+    fn of(group: &RunGroup) -> Scales {
+        let longest_s = group.runs.iter().map(|run| run.duration_s).fold(0.0, f64::max);
+        let closest = |times: &[f64]| {
+            let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+            steps.filter(|step| *step > 0.0).fold(longest_s, f64::min)
+        };
+        let times = group.runs.iter().flat_map(|run| [run.times(0), run.times(1)]);
+        Scales {
+            longest_s,
+            shortest_s: times.map(closest).fold(longest_s, f64::min),
+            largest_v: group.runs.iter().map(|run| run.drive().largest_v()).fold(0.0, f64::max),
+        }
+    }
+
+    /// Rates of relaxations from the shortest time between readings to the longest record, 1/s, and none at all.
+    fn rates(&self, count: usize) -> Vec<f64> {
+        let whole = self.longest_s / self.shortest_s;
+        let rate = |k: usize| whole.powf(k as f64 / (count - 1).max(1) as f64) / self.longest_s;
+        std::iter::once(0.0).chain((0..count).map(rate)).collect()
+    }
+}
+
+impl Answer {
+    fn columns(self, group: &RunGroup, base: &LumpedModel) -> Vec<Column> {
+        let scales = Scales::of(group);
+        let count = match self.of {
+            Of::All => RELAXATIONS,
+            Of::Each => (MOST_RELAXATIONS / group.runs.len().max(1)).clamp(2, RELAXATIONS),
+        };
+        let rates = scales.rates(count);
+        let first = |run: usize| group.blocks.iter().find(|block| block.run == run).map_or(0, |block| block.first);
+        let piece = |run: usize, by: By, rate: f64| {
+            let relaxing = Relaxing { by, rate, scales: &scales };
+            (first(run), self.rows(&group.runs[run], base, relaxing))
+        };
+        let runs = || 0..group.runs.len();
+        match self.of {
+            Of::All => {
+                let each = [By::Voltage, By::Square, By::Cube, By::Clock].map(|by| rates.iter().map(move |rate| (by, *rate)));
+                let column = |(by, rate)| Column::of(runs().map(|run| piece(run, by, rate)).collect());
+                each.into_iter().flatten().map(column).collect()
+            }
+            Of::Each => {
+                let each = runs().flat_map(|run| rates.iter().map(move |rate| (run, *rate)));
+                each.map(|(run, rate)| Column::of(vec![piece(run, By::Voltage, rate)])).collect()
+            }
+        }
+    }
+
+    /// Whitened rows of a run.
+    fn rows(self, run: &GroupRun, base: &LumpedModel, relaxing: Relaxing) -> Vec<f64> {
+        let mut rows = Vec::new();
+        for (k, channel) in run.channels.iter().enumerate() {
+            let Some(channel) = channel else { continue };
+            let times = channel.time_s();
+            let mut series = match (self.site, k) {
+                (Site::Current, 0) | (Site::Bending, 1) => relaxing.over(run, times),
+                (Site::Current, 1) if self.bends => relaxing.bent(run, base, times),
+                _ => vec![0.0; times.len()],
+            };
+            channel.whiten(&mut series);
+            rows.extend(series);
+        }
+        run.take_out(&mut rows);
+        rows
+    }
+}
+
+/// A relaxation after every edge.
+#[derive(Clone, Copy)]
+struct Relaxing<'a> {
+    by: By,
+    rate: f64,
+    scales: &'a Scales,
+}
+
+impl Relaxing<'_> {
+    fn over(self, run: &GroupRun, time_s: &[f64]) -> Vec<f64> {
+        let relaxed = self.relaxed(run, self.rate, time_s);
+        self.by_clock(relaxed, time_s)
+    }
+
+    /// What it bends, as a current that is stored, where the strip forgets.
+    fn bent(self, run: &GroupRun, base: &LumpedModel, time_s: &[f64]) -> Vec<f64> {
+        let forgets = base.relaxation_rate_per_s;
+        let nearest = 1e-6 * self.rate.max(forgets);
+        // One that fades as fast as the strip forgets is the limit of those beside it.
+        let apart = Some(self.rate - forgets).filter(|apart| apart.abs() > nearest).unwrap_or(nearest);
+        let kept = self.relaxed(run, forgets, time_s);
+        let passed = self.relaxed(run, forgets + apart, time_s);
+        let alpha = base.charge_to_curvature_per_c_cm;
+        let bent = kept.iter().zip(&passed).map(|(kept, passed)| alpha * (kept - passed) / apart);
+        self.by_clock(bent.collect(), time_s)
+    }
+
+    fn by_clock(self, mut values: Vec<f64>, time_s: &[f64]) -> Vec<f64> {
+        if self.by == By::Clock {
+            let each = values.iter_mut().zip(time_s);
+            each.for_each(|(value, time)| *value *= time / self.scales.longest_s);
+        }
+        values
+    }
+
+    /// The sum over all edges of their jumps, each fading at that rate since.
+    fn relaxed(self, run: &GroupRun, rate: f64, time_s: &[f64]) -> Vec<f64> {
+        let drive = run.drive();
+        let of = |volts: f64| self.by.of(volts, self.scales.largest_v);
+        let (mut level, mut sum, mut since_s) = (of(drive.baseline_v), 0.0, 0.0);
+        let mut edges = drive.levels().peekable();
+        let at = |&time: &f64| {
+            while let Some((edge_s, volts)) = edges.next_if(|(edge_s, _)| *edge_s <= time) {
+                // An open circuit drives nothing new.
+                let next = volts.map_or(level, of);
+                sum = sum * (-rate * (edge_s - since_s)).exp() + next - level;
+                (level, since_s) = (next, edge_s);
+            }
+            sum * (-rate * (time - since_s)).exp()
+        };
+        time_s.iter().map(at).collect()
+    }
+}
