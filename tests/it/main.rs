@@ -40,6 +40,7 @@ mod foreign_files;
 mod formats_fixtures;
 mod formats_properties;
 mod forward;
+mod forward_laws;
 mod frame_folders;
 mod frames;
 mod gone;

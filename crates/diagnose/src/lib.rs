@@ -30,8 +30,8 @@ pub use benchmark::effect_size::{
 pub use diagnosis::{condemned, diagnose_group};
 pub use draws::Draws;
 pub use extended::fits::{fit_extended, model_version};
-pub use extended::laws::laws_of;
 pub use extended::from_others::{FromOthersFall, fall_from_others};
+pub use extended::laws::laws_of;
 pub use options::{AbsentLaw, DiagnoseOptions, VERSION};
 pub use outcome::lengthwise::with_places;
 pub use outcome::next_run::proposals;

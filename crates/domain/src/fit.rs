@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve};
+use super::{AlongCurve, Estimate, Issue, Quantity, RunCurve, number_or_null};
 
 /// Code of the note of a fit that says whether the run needs the distributed model.
 pub const LUMPED_OR_DISTRIBUTED: &str = "lumped-or-distributed";
@@ -137,6 +137,33 @@ pub struct Fit {
     pub issues: Vec<Issue>,
     /// Residual evaluations that the search took.
     pub evaluations: u64,
+    /// Of an extended model its place; none of a model without laws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extended: Option<ExtendedPlace>,
+}
+
+/// Where an extended model lies: with it the model is predicted, though the readings may not tell each parameter by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExtendedPlace {
+    /// Parameters of the base in the order R_1, C_1, R_2, C_2, ..., R_ss, alpha, lambda, in the units of their keys; alpha 0 where
+    /// nothing bends, R_ss no number where nothing leaks.
+    #[serde(deserialize_with = "number_or_null::many")]
+    pub base: Vec<f64>,
+    /// Laws beside it.
+    pub laws: Vec<FittedLaw>,
+    /// Covariance of all these parameters, those of the laws last, row by row; zero of what was held.
+    pub covariance: Vec<f64>,
+}
+
+/// A law with its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedLaw {
+    /// Id of the effect, or of the law as a smooth function.
+    pub effect: String,
+    /// The form that it took, where it has several.
+    pub form: Option<String>,
+    /// In the order that its effect has.
+    pub parameters: Vec<f64>,
 }
 
 impl Fit {

@@ -76,7 +76,8 @@ pub use edge::{EDGE_OF_RANGE, Edge, EdgeOrigin};
 pub use estimate::{Estimate, EstimateState};
 pub use fault::Fault;
 pub use fit::{
-    ChannelNoise, Fit, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Nuisance, NuisanceOrigin, Parameter,
+    ChannelNoise, ExtendedPlace, Fit, FittedLaw, LUMPED_OR_DISTRIBUTED, NoiseCharacter, Nuisance,
+    NuisanceOrigin, Parameter,
 };
 pub use gain::{Gain, HeldOutGain, Prediction};
 pub use impedance::{

@@ -154,6 +154,7 @@ pub fn fit(parameters: &[(&str, Estimate)]) -> Fit {
         along: vec![],
         issues: vec![],
         evaluations: 321,
+        extended: None,
     }
 }
 

@@ -79,6 +79,7 @@ pub(super) fn fit(input: &FitInput, options: &FitOptions, sampled: Sampled, why:
         2 * judged.branches + 1,
     );
     Some(Fit {
+        extended: None,
         model: options.model.id.to_owned(),
         model_version: options.model.version,
         method: "least squares of the curvature alone, weighted by the noise".to_owned(),

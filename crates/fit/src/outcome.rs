@@ -96,6 +96,7 @@ fn with(
         responses.push(Response::new(Quantity::Curvature, sampled, None, step_s, wanted));
     }
     Fit {
+        extended: None,
         model: model.id.to_owned(),
         model_version: model.version,
         method: method(options, judged),
@@ -281,6 +282,7 @@ pub(super) fn joint_fit(
         issues.push(not_converged(stop));
     }
     Fit {
+        extended: None,
         model: model.id.to_owned(),
         model_version: model.version,
         method: "simultaneous least squares, weighted by the noise".to_owned(),

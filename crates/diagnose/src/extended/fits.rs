@@ -9,7 +9,7 @@ use ieap_numerics::student::quantile_95;
 use ieap_numerics::symmetric::Symmetric;
 
 use crate::cause::candidates::added;
-use crate::extended::laws::form_words;
+use crate::extended::laws::place;
 use crate::extended::policy::{SHIFT_SIGMAS, WIDENED_FROM};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::problem::FreeEffect;
@@ -80,7 +80,7 @@ fn fits<'g>(
         let index = runs.iter().position(|given| given.name == run.given.name)?;
         let mut parameters = knowledge.parameters(choice.base, run.drive());
         parameters.extend(of_effects.clone());
-        let head = head(choice, extended, parameters, issues.clone());
+        let head = head(choice, extended, wider, parameters, issues.clone());
         let context = run.context(place, None);
         let predict = |current_s: &[f64], curvature_s: &[f64]| {
             let found = model.responses(&context, current_s, curvature_s);
@@ -91,9 +91,16 @@ fn fits<'g>(
     group.runs.iter().enumerate().filter_map(of_run).collect()
 }
 
-fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, issues: Vec<Issue>) -> Fit {
+fn head(
+    choice: &ModelChoice,
+    extended: &Fitted,
+    wider: f64,
+    parameters: Vec<Parameter>,
+    issues: Vec<Issue>,
+) -> Fit {
     let runs = extended.problem.runs.len();
     Fit {
+        extended: Some(place(extended, wider)),
         model: choice.to_string(),
         model_version: model_version(choice.base),
         method: format!(
@@ -117,7 +124,11 @@ fn head(choice: &ModelChoice, extended: &Fitted, parameters: Vec<Parameter>, iss
 
 /// The form that each effect took, where it has several: without it its parameters are not known.
 fn forms(extended: &Fitted) -> String {
-    let of = |own: &FreeEffect| form_words(own.effect.about(), own.variant);
+    let of = |free_effect: &FreeEffect| {
+        let about = free_effect.effect.about();
+        let form = about.variants.get(free_effect.variant)?;
+        Some(format!("; {} as {form}", about.id))
+    };
     extended.problem.effects.iter().filter_map(of).collect()
 }
 

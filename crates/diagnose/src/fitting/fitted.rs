@@ -215,7 +215,7 @@ impl<'g> Fitted<'g> {
     }
 
     /// Branches in the order of their time constants, as keys count them.
-    fn branch_order(&self) -> Vec<usize> {
+    pub(crate) fn branch_order(&self) -> Vec<usize> {
         let base = self.base();
         let mut order: Vec<usize> = (0..base.branches.len()).collect();
         order.sort_by(|&a, &b| {

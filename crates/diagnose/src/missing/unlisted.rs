@@ -24,7 +24,10 @@ pub(crate) struct Unlisted {
 impl Unlisted {
     /// Logarithm of the evidence of any of them over that of nothing, in noise of `t` times the variance.
     pub(super) fn log(&self, t: f64) -> f64 {
-        let each = self.answers.iter().filter_map(|own| Some(evidence(&own.broadened(t))?.log));
+        let each = self
+            .answers
+            .iter()
+            .filter_map(|own| Some(evidence(&own.broadened(t))?.log));
         log_mean(&each.collect::<Vec<f64>>())
     }
 
@@ -51,7 +54,9 @@ pub(super) fn unlisted(
             Site::Current => &[true, false],
             _ => &[false],
         };
-        let answers = stored.iter().flat_map(|&bends| [Of::All, Of::Each].map(|of| Answer { site, bends, of }));
+        let answers = stored
+            .iter()
+            .flat_map(|&bends| [Of::All, Of::Each].map(|of| Answer { site, bends, of }));
         let process = |answer: Answer| Process::of(&answer.columns(group, base), tangent, residuals);
         let answers: Vec<Process> = answers.map(process).filter(|own| !own.is_nothing()).collect();
         (!answers.is_empty()).then_some(Unlisted { site, answers })
@@ -113,7 +118,11 @@ impl Scales {
         Scales {
             longest_s,
             shortest_s: times.map(closest).fold(longest_s, f64::min),
-            largest_v: group.runs.iter().map(|run| run.drive().largest_v()).fold(0.0, f64::max),
+            largest_v: group
+                .runs
+                .iter()
+                .map(|run| run.drive().largest_v())
+                .fold(0.0, f64::max),
         }
     }
 
@@ -133,21 +142,33 @@ impl Answer {
             Of::Each => (MOST_RELAXATIONS / group.runs.len().max(1)).clamp(2, RELAXATIONS),
         };
         let rates = scales.rates(count);
-        let first = |run: usize| group.blocks.iter().find(|block| block.run == run).map_or(0, |block| block.first);
+        let first = |run: usize| {
+            group
+                .blocks
+                .iter()
+                .find(|block| block.run == run)
+                .map_or(0, |block| block.first)
+        };
         let piece = |run: usize, by: By, rate: f64| {
-            let relaxing = Relaxing { by, rate, scales: &scales };
+            let relaxing = Relaxing {
+                by,
+                rate,
+                scales: &scales,
+            };
             (first(run), self.rows(&group.runs[run], base, relaxing))
         };
         let runs = || 0..group.runs.len();
         match self.of {
             Of::All => {
-                let each = [By::Voltage, By::Square, By::Cube, By::Clock].map(|by| rates.iter().map(move |rate| (by, *rate)));
+                let each = [By::Voltage, By::Square, By::Cube, By::Clock]
+                    .map(|by| rates.iter().map(move |rate| (by, *rate)));
                 let column = |(by, rate)| Column::of(runs().map(|run| piece(run, by, rate)).collect());
                 each.into_iter().flatten().map(column).collect()
             }
             Of::Each => {
                 let each = runs().flat_map(|run| rates.iter().map(move |rate| (run, *rate)));
-                each.map(|(run, rate)| Column::of(vec![piece(run, By::Voltage, rate)])).collect()
+                each.map(|(run, rate)| Column::of(vec![piece(run, By::Voltage, rate)]))
+                    .collect()
             }
         }
     }
@@ -190,11 +211,16 @@ impl Relaxing<'_> {
         let forgets = base.relaxation_rate_per_s;
         let nearest = 1e-6 * self.rate.max(forgets);
         // One that fades as fast as the strip forgets is the limit of those beside it.
-        let apart = Some(self.rate - forgets).filter(|apart| apart.abs() > nearest).unwrap_or(nearest);
+        let apart = Some(self.rate - forgets)
+            .filter(|apart| apart.abs() > nearest)
+            .unwrap_or(nearest);
         let kept = self.relaxed(run, forgets, time_s);
         let passed = self.relaxed(run, forgets + apart, time_s);
         let alpha = base.charge_to_curvature_per_c_cm;
-        let bent = kept.iter().zip(&passed).map(|(kept, passed)| alpha * (kept - passed) / apart);
+        let bent = kept
+            .iter()
+            .zip(&passed)
+            .map(|(kept, passed)| alpha * (kept - passed) / apart);
         self.by_clock(bent.collect(), time_s)
     }
 

@@ -12,16 +12,17 @@ use rayon::prelude::*;
 use super::columns::{LawColumns, columns_of};
 use super::evidence::{evidence, process};
 use super::policy::{
-    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED, UNLISTED,
+    DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
+    UNLISTED,
 };
 use super::simple::{Top, simple};
 use super::unlisted::{Unlisted, unlisted};
-use crate::options::AbsentLaw;
 use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::evidence::{Process, Varying, log_evidence, log_sum, slow_noise};
 use crate::fitting::fitted::Fitted;
 use crate::fitting::tangent::Tangent;
 use crate::misfit::signature::{Direction, Signature};
+use crate::options::AbsentLaw;
 use crate::readings::group::RunGroup;
 
 /// What a hypothesis says.
@@ -96,7 +97,11 @@ impl<'g> Asked<'_, 'g> {
         let candidates = fit_candidates(self.current, self.residuals, self.signatures, self.directions);
         let mut all = self.equations(&candidates);
         all.extend(self.curves(&all));
-        all.retain(|own| !self.absent.is_some_and(|absent| own.place.is_some_and(|place| absent.is(&place))));
+        all.retain(|own| {
+            !self
+                .absent
+                .is_some_and(|absent| own.place.is_some_and(|place| absent.is(&place)))
+        });
         share_priors(&mut all);
         // Beside a law runs are not asked again whether they differ.
         let is_base = self.current.problem.effects.is_empty();

@@ -32,6 +32,7 @@ pub(super) fn fit(found: &Identified, decision: &Decision) -> Fit {
     issues.push(decision.issue());
     issues.extend(found.contact_break.as_ref().map(ContactBreak::issue));
     Fit {
+        extended: None,
         model: MODEL_ID.to_owned(),
         model_version: ieap_model::fit_model(MODEL_ID).map_or(1, |model| model.version),
         method: found.method.to_owned(),

@@ -188,7 +188,8 @@ impl<'a> Stepper<'a> {
         let branches = self.system.branches.len();
         let of_node = |e: &[f64]| -> f64 {
             let each = e.iter().zip(&work.now.capacitance_f_per_cm2).zip(&state.storage);
-            each.map(|((e, capacitance), storage)| e * capacitance * storage).sum()
+            each.map(|((e, capacitance), storage)| e * capacitance * storage)
+                .sum()
         };
         state.capacitor_v.chunks(branches).map(of_node).sum::<f64>() / self.nodes as f64
     }

@@ -170,8 +170,6 @@ pub struct ReadAt<'a> {
     pub drive: &'a Drive,
     /// Active area, cm2.
     pub area_cm2: f64,
-    /// Free length, cm; none where it is not known.
-    pub length_cm: Option<f64>,
     /// Times of readings of the current, s, and their standard deviation, A.
     pub current: (&'a [f64], f64),
     /// Times of readings of the curvature, s, and their standard deviation, 1/cm.
@@ -180,12 +178,7 @@ pub struct ReadAt<'a> {
 
 /// Covariance of parameters whose standard errors are known and whose correlations are those that readings at these
 /// times leave: those of the inverse of the information, the noise taken as white. A fit stores the errors alone.
-pub fn covariance(
-    model: &LumpedModel,
-    laws: &[Applied],
-    standard_errors: &[f64],
-    read: &ReadAt,
-) -> Vec<f64> {
+pub fn covariance(model: &LumpedModel, standard_errors: &[f64], read: &ReadAt) -> Vec<f64> {
     let n = standard_errors.len();
     let diagonal: Vec<f64> = (0..n * n)
         .map(|k| {
@@ -196,31 +189,21 @@ pub fn covariance(
             }
         })
         .collect();
-    let respond = |model: &LumpedModel, laws: &[Applied]| {
-        let found = if laws.is_empty() {
-            let current = model.current_a(read.drive, read.area_cm2, read.current.0);
-            let curvature = model.curvature_per_cm(read.drive, read.area_cm2, read.curvature.0);
-            vec![current, curvature]
-        } else {
-            let strip = Strip {
-                drive: read.drive,
-                area_cm2: read.area_cm2,
-                length_cm: read.length_cm,
-            };
-            let found = extended(model, laws, &strip, [read.current.0, read.curvature.0]);
-            vec![found.current_a, found.curvature_per_cm]
-        };
-        Some(found)
+    let respond = |model: &LumpedModel, _: &[Applied]| {
+        Some(vec![
+            model.current_a(read.drive, read.area_cm2, read.current.0),
+            model.curvature_per_cm(read.drive, read.area_cm2, read.curvature.0),
+        ])
     };
     let identified = Identified {
         model,
-        laws,
+        laws: &[],
         covariance: &diagonal,
         size: &UNIT_SIZE,
         electrode_resistance_ohm_per_sq: None,
         changes: &[],
     };
-    let at = respond(model, laws).unwrap_or_default();
+    let at = respond(model, &[]).unwrap_or_default();
     let slopes = derivatives(&identified, &at, respond);
     let weights = [read.current.1, read.curvature.1]
         .map(|deviation| if deviation > 0.0 { deviation.powi(-2) } else { 0.0 });

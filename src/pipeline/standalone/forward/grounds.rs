@@ -374,7 +374,10 @@ fn with_its_laws(source: Source, is_elsewhere: bool, before: &[Source]) -> Resul
         (&other.model, &other.laws) == (&source.model, &source.laws) && is_alike(other.step_v, source.step_v)
     };
     match before.iter().find(is_same) {
-        Some(first) => Err(format!("it was fitted together with {}, which tells the same", first.run)),
+        Some(first) => Err(format!(
+            "it was fitted together with {}, which tells the same",
+            first.run
+        )),
         None => Ok(source),
     }
 }

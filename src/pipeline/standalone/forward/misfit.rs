@@ -65,7 +65,8 @@ pub(super) fn known_misfit(
         curvature: left(Quantity::Curvature)?,
         charge: current,
         source: if has_laws {
-            "What the fits with their laws leave beyond the noise stands for what the model gets wrong.".to_owned()
+            "What the fits with their laws leave beyond the noise stands for what the model gets wrong."
+                .to_owned()
         } else {
             "No diagnosis is stored for these runs: what their fits leave beyond the noise stands for what the model gets wrong (`ieap diagnose` says more)."
                 .to_owned()

@@ -119,13 +119,24 @@ pub(super) fn course_times(drive: &Drive, end_s: f64) -> Vec<f64> {
 /// What the intervals hold, what they leave out, and what would tell more.
 pub(super) fn remarks(grounds: &Grounds, forecasts: &Forecasts, drive: &Drive) -> Vec<String> {
     let mut remarks = vec![model_in_words(grounds, forecasts)];
+    let of_laws = grounds.own().find(|source| !source.laws.is_empty());
+    remarks.extend(of_laws.map(|source| {
+        format!(
+            "Fitted with {}: its laws act under this drive as under those that they were found from.",
+            source.fitted_with
+        )
+    }));
     remarks.extend(grounds.brought.1.iter().cloned());
     let (low_v, high_v) = grounds.measured_v();
     let step_v = drive.nominal_step_v();
     let near_v = 0.02 * low_v.abs().max(high_v.abs());
     if step_v < low_v - near_v || step_v > high_v + near_v {
+        let taken = match of_laws {
+            Some(_) => "the laws are taken on",
+            None => "the runs at the nearest voltage are taken",
+        };
         remarks.push(format!(
-            "{} V lies outside what was measured ({} to {} V): the runs at the nearest voltage are taken, and what sets in beyond is not known.",
+            "{} V lies outside what was measured ({} to {} V): {taken}, and what sets in beyond is not known.",
             volts(step_v),
             volts(low_v),
             volts(high_v)

@@ -4,12 +4,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::forecast::Applied;
-use crate::domain::quantiles::NORMAL_95;
-use crate::domain::{Drive, Estimate, Fit, Level, Quantity, RunCurve, RunRecord};
 use crate::diagnose::laws_of;
+use crate::domain::quantiles::NORMAL_95;
+use crate::domain::{Drive, Estimate, ExtendedPlace, Fit, Level, Quantity, RunCurve, RunRecord};
 use crate::fit::EdgeTimes;
-use crate::model::effects::Applied as Law;
 use crate::model::changing::Change;
+use crate::model::effects::Applied as Law;
 use crate::model::scaling::propagation::{ReadAt, covariance, with_values};
 use crate::model::scaling::{Identified, StripSize};
 use crate::model::{Branch, LumpedModel};
@@ -72,29 +72,67 @@ impl Source {
     ) -> Result<Source, String> {
         let fit = run.fit.as_ref().ok_or("it has no fit")?;
         let drive = run.drive.as_ref().ok_or("its drive is not known")?;
-        let mut read = Read::of(fit)?;
-        read.add_laws()?;
-        let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
-        let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
-        let last_s = curves.iter().map(last).fold(start_s, f64::max);
-        let of_strip = (run.area_cm2.unwrap_or(1.0), Some(0.1 * size.length_mm.value));
+        if let Some(place) = &fit.extended {
+            return Source::of_group(run, place, drive, curves, sample, size);
+        }
+        let read = Read::of(fit)?;
+        let (lasted_s, step_v) = shown(drive, curves);
         Ok(Source {
             run: run.path.clone(),
             fitted_with: fit.model.clone(),
             sample,
-            step_v: applied(drive, last_s).typical_v,
-            covariance: correlated(fit, &read, drive, of_strip, curves),
+            step_v,
+            covariance: correlated(fit, &read, drive, run.area_cm2.unwrap_or(1.0), curves),
             keys: read.keys,
             model: read.model,
-            laws: read.laws,
+            laws: Vec::new(),
             variants: Vec::new(),
             changes: Vec::new(),
             variant_changes: Vec::new(),
             size: *size,
             electrode_resistance_ohm_per_sq: fit.parameter("re_ohm_per_sq").and_then(|e| e.value),
             bends: read.bends,
-            lasted_s: last_s - start_s,
+            lasted_s,
             bounded: read.bounded,
+        })
+    }
+
+    /// A run of a group that was fitted with laws: with the place of the whole model.
+    fn of_group(
+        run: &RunRecord,
+        place: &ExtendedPlace,
+        drive: &Drive,
+        curves: &[RunCurve],
+        sample: usize,
+        size: &StripSize,
+    ) -> Result<Source, String> {
+        // JSON has no endless resistance.
+        let base = place
+            .base
+            .iter()
+            .map(|value| if value.is_nan() { f64::INFINITY } else { *value });
+        let model = with_values(&base.collect::<Vec<f64>>());
+        let branches =
+            (1..=model.branches.len()).flat_map(|k| [format!("r{k}_ohm_cm2"), format!("c{k}_f_per_cm2")]);
+        let rest = ["rss_ohm_cm2", "alpha_per_c_cm", "lambda_per_s"].map(str::to_owned);
+        let (lasted_s, step_v) = shown(drive, curves);
+        Ok(Source {
+            run: run.path.clone(),
+            fitted_with: run.fit.as_ref().map(|fit| fit.model.clone()).unwrap_or_default(),
+            sample,
+            step_v,
+            keys: branches.chain(rest).collect(),
+            bends: model.charge_to_curvature_per_c_cm != 0.0,
+            model,
+            laws: laws_of(place)?,
+            variants: Vec::new(),
+            changes: Vec::new(),
+            variant_changes: Vec::new(),
+            covariance: place.covariance.clone(),
+            size: *size,
+            electrode_resistance_ohm_per_sq: None,
+            lasted_s,
+            bounded: Vec::new(),
         })
     }
 
@@ -109,6 +147,14 @@ impl Source {
             changes: &self.changes,
         }
     }
+}
+
+/// How long a run shows what it does after its drive began, s, and the typical voltage of that, V.
+fn shown(drive: &Drive, curves: &[RunCurve]) -> (f64, f64) {
+    let start_s = drive.segments.first().map_or(0.0, |segment| segment.start_s());
+    let last = |curve: &RunCurve| curve.time_s.last().copied().unwrap_or(start_s);
+    let last_s = curves.iter().map(last).fold(start_s, f64::max);
+    (last_s - start_s, applied(drive, last_s).typical_v)
 }
 
 /// The voltages of a drive up to `end_s`; open circuits, in which the source holds none, do not count.
@@ -147,7 +193,7 @@ pub fn fitted_covariance(fit: &Fit, drive: &Drive, area_cm2: f64) -> Option<(Vec
     let read = Read::of(fit)
         .ok()
         .filter(|read| fit.model.starts_with("lumped-") && !read.errors.is_empty())?;
-    let whole = correlated(fit, &read, drive, (area_cm2, None), &fit.curves);
+    let whole = correlated(fit, &read, drive, area_cm2, &fit.curves);
     let all = read.keys.len();
     let told = |at: &usize| read.errors[*at] > 0.0 && !read.bounded.contains(&read.keys[*at]);
     let kept: Vec<usize> = (0..all).filter(told).collect();
@@ -156,13 +202,7 @@ pub fn fitted_covariance(fit: &Fit, drive: &Drive, area_cm2: f64) -> Option<(Vec
     Some((keys, kept.iter().map(row).collect()))
 }
 
-fn correlated(
-    fit: &Fit,
-    read: &Read,
-    drive: &Drive,
-    (area_cm2, length_cm): (f64, Option<f64>),
-    curves: &[RunCurve],
-) -> Vec<f64> {
+fn correlated(fit: &Fit, read: &Read, drive: &Drive, area_cm2: f64, curves: &[RunCurve]) -> Vec<f64> {
     let at = |quantity: Quantity| -> (&[f64], f64) {
         let curve = curves.iter().find(|curve| curve.quantity == quantity);
         let noise = fit.noise.iter().find(|noise| noise.quantity == quantity);
@@ -173,18 +213,16 @@ fn correlated(
     let read_at = ReadAt {
         drive: edges.drive(),
         area_cm2,
-        length_cm,
         current: at(Quantity::Current),
         curvature: at(Quantity::Curvature),
     };
-    covariance(&read.model, &read.laws, &read.errors, &read_at)
+    covariance(&read.model, &read.errors, &read_at)
 }
 
 /// A fit as a lumped model, with the standard errors in the order of the covariance.
 struct Read<'a> {
     fit: &'a Fit,
     model: LumpedModel,
-    laws: Vec<Law>,
     /// Whether its bending is known.
     bends: bool,
     /// Keys of the parameters, in that order.
@@ -199,7 +237,6 @@ impl Read<'_> {
         let mut read = Read {
             fit,
             model: with_values(&[0.0; 3]),
-            laws: Vec::new(),
             bends: false,
             keys: Vec::new(),
             errors: Vec::new(),
@@ -216,20 +253,6 @@ impl Read<'_> {
             read.gather(key, known.map_or(0.0, |(_, error)| error));
         }
         Ok(read)
-    }
-
-    /// The laws that its group was fitted with.
-    fn add_laws(&mut self) -> Result<(), String> {
-        self.laws = laws_of(self.fit)?;
-        for law in &self.laws {
-            let about = law.effect.about();
-            for own in about.parameters {
-                let key = format!("{}.{}", about.id, own.key);
-                self.errors.push(self.fit.parameter(&key).map_or(0.0, error_of));
-                self.keys.push(key);
-            }
-        }
-        Ok(())
     }
 
     fn gather(&mut self, key: &str, error: f64) {

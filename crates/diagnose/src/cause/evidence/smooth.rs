@@ -162,6 +162,8 @@ mod tests {
         assert_eq!(process.parts(0.0), (0.0, 0.0));
         let wide = 1.0 + a * a * 25.0 / 4.0;
         let (fall, width) = process.broadened(4.0).parts(a);
-        assert!((fall - 0.5 * 25.0 * (1.0 - 1.0 / wide)).abs() < 1e-9 && (width + 0.5 * wide.ln()).abs() < 1e-9);
+        assert!(
+            (fall - 0.5 * 25.0 * (1.0 - 1.0 / wide)).abs() < 1e-9 && (width + 0.5 * wide.ln()).abs() < 1e-9
+        );
     }
 }

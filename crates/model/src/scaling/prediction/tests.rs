@@ -239,7 +239,12 @@ fn a_strip_with_a_law_keeps_its_charge() {
         let apart = a.value.iter().zip(&b.value).map(|(a, b)| (a - b).abs());
         assert!(apart.fold(0.0, f64::max) < 1e-9 * most);
     }
-    let passed: f64 = with.current_a.value.windows(2).map(|pair| 0.05 * (pair[0] + pair[1])).sum();
+    let passed: f64 = with
+        .current_a
+        .value
+        .windows(2)
+        .map(|pair| 0.05 * (pair[0] + pair[1]))
+        .sum();
     let last = time_s.len() - 1;
     let kept = with.charge_c.value[last] + with.leaked_charge_c.value[last];
     assert!((passed - kept).abs() < 2e-3 * passed, "{passed} {kept}");
