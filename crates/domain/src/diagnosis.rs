@@ -86,7 +86,7 @@ pub enum HypothesisKind {
     Varies,
     /// Slow noise of the instrument, at rest as under voltage.
     SlowNoise,
-    /// Something that no library holds.
+    /// Something that follows the drive and is none of the laws that are asked.
     Unnamed,
 }
 
@@ -101,7 +101,8 @@ pub struct Hypothesis {
     /// Keys of the parameters that differ between the runs.
     #[serde(default)]
     pub parameters_that_differ: Vec<String>,
-    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely.
+    /// What they follow: `voltage_v`, the id of a tag's effect, or `run` where they differ freely; of something unnamed its
+    /// place, `current` or `bending`.
     #[serde(default)]
     pub with: Option<String>,
     /// Posterior probability.

@@ -198,7 +198,10 @@ pub fn explanation(own: &Hypothesis, about: &About) -> String {
         }
         HypothesisKind::Varies => differing(own),
         HypothesisKind::SlowNoise => "slow noise".to_owned(),
-        HypothesisKind::Unnamed => "something without a name".to_owned(),
+        HypothesisKind::Unnamed => {
+            let place = own.with.as_deref().unwrap_or("readings");
+            format!("something in the {place} that is none of the laws asked")
+        }
         HypothesisKind::Base => "chance".to_owned(),
     }
 }

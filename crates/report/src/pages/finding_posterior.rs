@@ -40,7 +40,7 @@ fn row(own: &Hypothesis, findings: &Findings) -> HypothesisRow {
         ),
         HypothesisKind::Unnamed => (
             said,
-            "a smooth answer to the voltage, or a course over the clock, of each run's own".to_owned(),
+            "a smooth answer to the voltage, of all runs or of each its own".to_owned(),
         ),
         HypothesisKind::Varies => (parameters(own), follows(own)),
         HypothesisKind::Law => (said, "as a free curve".to_owned()),
