@@ -37,9 +37,12 @@ fn flat(value: &Value) -> Option<String> {
         Value::String(text) => return Some(text.clone()),
         Value::Array(items) => items.iter().map(flat).collect::<Option<Vec<_>>>()?.join(" | "),
         Value::Object(members) => {
-            let member = |(key, value): (&String, &Value)| match is_nested(value) {
-                true => Some(Some(format!("{key}=[{}]", flat(value)?))),
-                false => Some(scalar(key, value)),
+            let member = |(key, value): (&String, &Value)| {
+                if is_nested(value) {
+                    Some(Some(format!("{key}=[{}]", flat(value)?)))
+                } else {
+                    Some(scalar(key, value))
+                }
             };
             let members: Option<Vec<Option<String>>> = members.iter().map(member).collect();
             members?.into_iter().flatten().collect::<Vec<_>>().join("; ")
