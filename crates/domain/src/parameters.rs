@@ -310,7 +310,9 @@ mod tests {
 
     #[test]
     fn no_parameter_is_listed_twice() {
-        for name in [|own: &ParameterInfo| own.key, |own| own.ascii, |own| own.symbol] {
+        let names: [fn(&'static ParameterInfo) -> &'static str; 3] =
+            [|own| own.key, |own| own.ascii, |own| own.symbol];
+        for name in names {
             let different: BTreeSet<&str> = ParameterInfo::all().map(name).collect();
             assert_eq!(different.len(), ParameterInfo::all().count(), "{different:?}");
         }
