@@ -32,7 +32,9 @@ pub fn run(output: &Output) -> Result<u8, CliError> {
             let derived = if parameter.derived { " (derived)" } else { "" };
             output.result(&format!(
                 "    {:<20} {:<10} {}{derived}",
-                parameter.key, parameter.unit, parameter.meaning
+                parameter.key,
+                parameter.unit(),
+                parameter.meaning
             ));
         }
     }
@@ -48,7 +50,7 @@ pub fn run(output: &Output) -> Result<u8, CliError> {
             let parameters: Vec<_> = model
                 .parameters
                 .iter()
-                .map(|p| json!({ "key": p.key, "symbol": p.symbol, "unit": p.unit, "meaning": p.meaning, "derived": p.derived }))
+                .map(|p| json!({ "key": p.key, "symbol": p.symbol, "unit": p.unit(), "meaning": p.meaning, "derived": p.derived }))
                 .collect();
             json!({ "id": model.id, "version": model.version, "description": model.description, "parameters": parameters, "law": model::rival_law(model.id).map(|law| law_text(&law.about())) })
         })

@@ -15,6 +15,8 @@ use ieap::report::{Input, Site, render};
 use crate::campaign::CampaignFolder;
 use crate::report_fixture::input;
 
+use super::page_outline::outline;
+
 const PLACES: usize = 6;
 const FRAMES: usize = 40;
 const LENGTH_MM: f64 = 30.0;
@@ -160,11 +162,11 @@ fn what_pages_along_the_strip_say() {
         .iter()
         .find(|page| page.file == "along.html")
         .expect("a page");
-    insta::assert_json_snapshot!("along", (page.content)(&site).expect("content").context);
+    insta::assert_snapshot!("along", outline(&(page.content)(&site).expect("content").context));
     let both = [true, false]
         .map(|whole| strip_content(&site, usize::from(!whole), Some(&strip(whole))).expect("content"));
-    insta::assert_json_snapshot!("strip_fitted", both[0].context);
-    insta::assert_json_snapshot!("strip_measured_only", both[1].context);
+    insta::assert_snapshot!("strip_fitted", outline(&both[0].context));
+    insta::assert_snapshot!("strip_measured_only", outline(&both[1].context));
     assert_eq!(
         both[0].figures.keys().collect::<Vec<_>>(),
         [

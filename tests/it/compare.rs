@@ -13,6 +13,8 @@ use ieap::report::{Input, Site};
 use crate::campaign::CampaignFolder;
 use crate::report_fixture::{MadeUpCurves, input};
 
+use super::page_outline::outline;
+
 /// Current and curvature of a strip that keeps a third of its bending, as a file with a little noise.
 fn keeping(step_v: f64, seed: u32) -> String {
     let circuit = EquivalentCircuit {
@@ -231,7 +233,7 @@ fn page_and_table_of_models_compared() {
         .expect("a page");
     assert!((page.is_shown)(&input));
     let content = (page.content)(&Site::new(&input)).expect("its content");
-    insta::assert_json_snapshot!("models_compared", content.context);
+    insta::assert_snapshot!("models_compared", outline(&content.context));
     assert_eq!(content.figures.len(), 1);
     let mut tables = input.of_tables();
     tables.origin = "ieap 0.1.0, change 412";

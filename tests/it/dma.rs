@@ -14,6 +14,8 @@ use crate::campaign::{CampaignFolder, command};
 use crate::report_fixture::current_only_input;
 use crate::watch::until;
 
+use super::page_outline::outline;
+
 /// A log of 40 min at 0 %, 80 at 40 % and 80 at 0 % relative humidity; |E*| goes from 100 to 80 MPa and back.
 fn log(seed: u32, header: &str, columns: &[&str]) -> String {
     let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(12345);
@@ -147,7 +149,7 @@ fn the_page_of_the_thesis_logs() {
     let page = PAGES.iter().find(|page| page.file == "dma.html").unwrap();
     assert!((page.is_shown)(&input) && !(page.is_shown)(&current_only_input()));
     let content = (page.content)(&Site::new(&input)).unwrap();
-    insta::assert_json_snapshot!(content.context);
+    insta::assert_snapshot!(outline(&content.context));
     // All together, and of each log its course and |E*| over the humidity.
     assert_eq!(content.figures.len(), 7);
     assert!(content.figures["chart-1"].contains("Nafion-117-EMImTFS"));

@@ -229,9 +229,9 @@ fn the_force_of_the_held_strip_is_in_the_same_likelihood() {
     assert_eq!(words(&rows[3], "agrees"), "yes", "{table:#}");
     assert_eq!(words(&rows[3], "held"), "runs/held.csv");
     let of = |row: &Value, key: &str, what: &str| row["cells"][key][what].as_f64().unwrap();
-    let mu = |what: &str| of(&rows[3], "mu_mn_m_per_c", what);
+    let mu = |what: &str| of(&rows[3], "mu_mn_mm_per_c", what);
     assert!(
-        (mu("low_95")..=mu("high_95")).contains(&MU_MN_M_PER_C),
+        (mu("low_95")..=mu("high_95")).contains(&(1e3 * MU_MN_M_PER_C)),
         "{table:#}"
     );
     let error = |row: &Value, key: &str| of(row, key, "standard_error");
@@ -240,7 +240,7 @@ fn the_force_of_the_held_strip_is_in_the_same_likelihood() {
         "{table:#}"
     );
     assert!(
-        error(&rows[3], "mu_mn_m_per_c") < error(&rows[2], "mu_mn_m_per_c"),
+        error(&rows[3], "mu_mn_mm_per_c") < error(&rows[2], "mu_mn_mm_per_c"),
         "{table:#}"
     );
 }

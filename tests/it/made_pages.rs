@@ -74,21 +74,15 @@ fn the_page_of_models() {
         }
         made += "\n";
         for own in model["parameters"].as_array().unwrap() {
-            let [key, symbol, unit, meaning] =
-                ["key", "symbol", "unit", "meaning"].map(|key| text(&own[key]));
+            let [key, symbol, meaning] = ["key", "symbol", "meaning"].map(|key| text(&own[key]));
             // A key that several models have means the same in each.
             if parameters.iter().all(|(known, _)| *known != key) {
-                let unit = if unit.is_empty() {
-                    unit
-                } else {
-                    format!(", {unit}")
-                };
-                let line = format!("- `{key}` ({symbol}{unit}): {meaning}\n");
+                let line = format!("- `{key}` ({symbol}): {meaning}\n");
                 parameters.push((key, line));
             }
         }
     }
-    made += "\nTheir parameters:\n\n";
+    made += "\nTheir parameters, whose keys end in their units:\n\n";
     parameters.iter().for_each(|(_, line)| made += line);
     hold("models.md", "the_page_of_models", &made);
 }

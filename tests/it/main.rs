@@ -77,6 +77,7 @@ mod output;
 mod own_climate;
 mod own_files;
 mod own_templates;
+mod page_outline;
 mod pairs;
 mod plan;
 mod prints;

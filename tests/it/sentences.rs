@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use ieap::analysis::PARAMETERS;
+use ieap::domain::ParameterInfo;
+use ieap::domain::parameters::PARAMETERS;
 use ieap::report::kept::Earlier;
 use ieap::report::{Input, render};
 
@@ -107,6 +108,56 @@ fn list(sentences: &BTreeMap<String, BTreeSet<String>>) -> String {
     sentences.iter().map(part).collect()
 }
 
+/// Characters between a symbol and the unit that is still its own. Chosen: a number with its interval.
+const NEAR: usize = 60;
+
+/// The units in which each parameter stands on a page: what follows its symbol with nothing but numbers and few words between.
+fn units_by_symbol(html: &str) -> BTreeMap<&'static str, BTreeSet<String>> {
+    let text: String = html
+        .split('<')
+        .filter_map(|part| Some(part.split_once('>')?.1))
+        .collect();
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let sizes = ["", "k", "M", "m", "µ"];
+    let units: BTreeSet<String> = ParameterInfo::all()
+        .filter(|own| !own.unit().is_empty() && own.unit() != "s")
+        .flat_map(|own| sizes.map(|size| format!("{size}{}", own.unit())))
+        .collect();
+    let mut symbols: Vec<&str> = ParameterInfo::all()
+        .map(|own| own.symbol)
+        .filter(|own| own.len() > 1)
+        .collect();
+    symbols.sort_by_key(|symbol| std::cmp::Reverse(symbol.len()));
+    let mut found: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+    let (mut last, mut rest) = (None, text.as_str());
+    while let Some(first) = rest.chars().next() {
+        let symbol = symbols.iter().find(|symbol| rest.starts_with(**symbol));
+        let unit = units.iter().find(|unit| rest.starts_with(unit.as_str()));
+        let taken = match (symbol, unit) {
+            (Some(symbol), _) => {
+                last = Some((*symbol, rest.len() - symbol.len()));
+                symbol.len()
+            }
+            (None, Some(unit)) => {
+                let own = last.take().filter(|(_, end)| end - rest.len() <= NEAR);
+                own.map(|(symbol, _)| found.entry(symbol).or_default().insert(unit.clone()));
+                unit.len()
+            }
+            (None, None) => first.len_utf8(),
+        };
+        rest = &rest[taken..];
+    }
+    found
+}
+
+#[test]
+fn a_parameter_in_two_units_is_seen() {
+    let page = "<p>R₂ is 0.705 kΩ cm²</p><td>R₁ ∥ R₂</td><td>Ω cm²</td><td>R₂</td><td>705 (3) Ω cm²</td>";
+    let found = units_by_symbol(page);
+    assert_eq!(found["R₂"].len(), 2, "{found:?}");
+    assert_eq!(found["R₁ ∥ R₂"].len(), 1, "{found:?}");
+}
+
 /// The pages of a campaign, those of runs and of groups under one name.
 fn pages(input: &Input, into: &mut BTreeMap<String, BTreeSet<String>>) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -121,6 +172,9 @@ fn pages(input: &Input, into: &mut BTreeMap<String, BTreeSet<String>>) {
     let mut read = |path: &Path, place: String| {
         let html = fs::read_to_string(path).expect("a page");
         let main = html.split_once("<main>").map_or(html.as_str(), |(_, main)| main);
+        for (symbol, units) in units_by_symbol(main) {
+            assert!(units.len() == 1, "{place}: {symbol} stands in {units:?}");
+        }
         let said = texts(main).into_iter().filter_map(|text| sentence(&text));
         into.entry(place).or_default().extend(said);
     };

@@ -147,8 +147,8 @@ fn a_halved_alpha_is_told_to_be_stiffness_or_coupling() {
         let own = own.find(|row| is(row, "relative_humidity_percent", percent));
         own.unwrap_or_else(|| panic!("{document:#}"))["cells"][key].clone()
     };
-    for (sample, percent, mu) in [("stiff-force", "0", 0.08), ("pull-force", "40", 0.04)] {
-        let found = cell(sample, percent, "mu_blocked_mn_m_per_c");
+    for (sample, percent, mu) in [("stiff-force", "0", 8e-5), ("pull-force", "40", 4e-5)] {
+        let found = cell(sample, percent, "mu_blocked_n_m_per_c");
         let held = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{found:#}"));
         assert!(held("low_95") <= mu && held("high_95") >= mu, "{found:#}");
         assert!(held("high_95") - held("low_95") < 0.05 * mu, "{found:#}");

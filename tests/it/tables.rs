@@ -304,7 +304,7 @@ fn a_cell_names_the_bytes_that_it_rests_on() {
     assert!(refused.stderr.contains("lambda_per_s"), "{}", refused.stderr);
     let listed = folder.ieap(&["explain", "table5"]).expect(0).stdout;
     assert!(
-        listed.contains("CNaf, air, 2.0 V") && listed.contains("rss_kohm_cm2"),
+        listed.contains("CNaf, air, 2.0 V") && listed.contains("rss_ohm_cm2"),
         "{listed}"
     );
 }

@@ -49,6 +49,5 @@ pub mod zone;
 
 pub use conditions::{Condition, Conditions, HumidityLevel, Surroundings, conditions};
 pub use export::{ExportError, TableFormat, rounded, write_table};
-pub use parameters::{PARAMETERS, ParameterInfo};
 pub use parquet_file::About;
 pub use traces::TraceWriter;

@@ -5,7 +5,7 @@ mod gain;
 mod varying;
 
 pub use gain::{StatedError, errors, gain_in_short, gain_words};
-pub use varying::{listed, printed, short, told_first};
+pub use varying::{listed, short, symbol, told_first};
 
 use crate::diagnosis::{RIGHT_FROM, WRONG_BELOW, follows_a_tag};
 use crate::number::probabilities::{counted, equation_of, share};
@@ -208,11 +208,7 @@ pub fn explanation(own: &Hypothesis, about: &About) -> String {
 
 /// Which parameters differ, and with what.
 fn differing(own: &Hypothesis) -> String {
-    let names: Vec<String> = own
-        .parameters_that_differ
-        .iter()
-        .map(|key| printed(key).0)
-        .collect();
+    let names: Vec<String> = own.parameters_that_differ.iter().map(|key| symbol(key)).collect();
     let which = match names.len() {
         0 => "parameters".to_owned(),
         1..=MOST_DIFFERING => in_a_row(&names),
@@ -309,7 +305,7 @@ fn beside_scatter(found: &GroupDiagnosis) -> String {
     if !found.scatter_is_noise {
         return String::new();
     }
-    let of = |own: &&ParameterScatter| format!("{} {} %", printed(&own.key).0, short_percent(own.percent));
+    let of = |own: &&ParameterScatter| format!("{} {} %", symbol(&own.key), short_percent(own.percent));
     let parts: Vec<String> = most_scattered(&found.scatter).iter().map(of).collect();
     format!(
         " and to what repeats differ by{}",

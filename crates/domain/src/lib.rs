@@ -33,6 +33,7 @@ pub mod number;
 mod number_or_null;
 pub mod origin;
 pub mod pairs;
+pub mod parameters;
 pub mod quantiles;
 pub mod quantity;
 mod range;
@@ -94,10 +95,11 @@ pub use monitoring::{Alarm, AlarmPlace, AlarmSign, Limit, MonitoringRules};
 pub use origin::{
     ClockOffset, FlaggedStretch, OffsetSource, ProfileUse, RunClock, RunOrigin, StartedAt, Timestamp,
 };
+pub use parameters::{DisplayUnit, ParameterInfo};
 pub use quantity::Quantity;
 pub use range::range_of;
 pub use run::{FileState, RunFile, RunKind, RunRecord, RunState, RunStatus, SourceFile};
 pub use samples::Samples;
 pub use standing::{RunWord, SameReadings, SetAside, Standing};
 pub use tag::{Tag, TagSource};
-pub use unit_of_key::{UNITS, unit_of_key};
+pub use unit_of_key::{UNITS, printed_unit, unit_of_key};

@@ -51,6 +51,40 @@ pub const UNITS: [(&str, &str); 47] = [
     ("_w", "W"),
 ];
 
+/// Units that pages and tables for people write otherwise than keys and documents do, which are in ASCII.
+const SIGNS: [(&str, &str); 24] = [
+    ("A sqrt(s)/(V cm2)", "A s^½ V⁻¹ cm⁻²"),
+    ("A/(V cm2)", "A V⁻¹ cm⁻²"),
+    ("F/cm2", "F cm⁻²"),
+    ("A/cm2", "A cm⁻²"),
+    ("C/cm2", "C cm⁻²"),
+    ("S/cm2", "S cm⁻²"),
+    ("cm2/C", "cm² C⁻¹"),
+    ("cm2/J", "cm² J⁻¹"),
+    ("1/(C2 cm)", "C⁻² cm⁻¹"),
+    ("Ohm/sq", "Ω/sq"),
+    ("Ohm cm2", "Ω cm²"),
+    ("1/(C cm)", "C⁻¹ cm⁻¹"),
+    ("1/(V2 cm)", "V⁻² cm⁻¹"),
+    ("1/(V cm)", "V⁻¹ cm⁻¹"),
+    ("1/(cm V)", "cm⁻¹ V⁻¹"),
+    ("1/V2", "V⁻²"),
+    ("1/cm", "cm⁻¹"),
+    ("1/C", "C⁻¹"),
+    ("1/h", "h⁻¹"),
+    ("1/s", "s⁻¹"),
+    ("1/V", "V⁻¹"),
+    ("cm2", "cm²"),
+    ("Ohm", "Ω"),
+    ("degree", "°"),
+];
+
+/// A unit as pages and tables for people write it: `Ω cm²` of `Ohm cm2`.
+pub fn printed_unit(unit: &'static str) -> &'static str {
+    let written = SIGNS.iter().find(|(spelled, _)| *spelled == unit);
+    written.map_or(unit, |(_, signs)| signs)
+}
+
 /// What columns of tables add to a name whose unit they share.
 const SHARE: [&str; 7] = [
     "_standard_error",

@@ -1,20 +1,28 @@
-//! The models a run can be fitted with: the one list of their ids, parameters and units.
+//! The models a run can be fitted with: the one list of their ids and parameters.
 
-/// What is known of a parameter before any fit.
+use ieap_domain::parameters;
+use ieap_domain::{ParameterInfo, unit_of_key};
+
+/// A parameter as it stands in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ParameterDescription {
     /// Stored key with the unit in it, `r1_ohm_cm2`.
     pub key: &'static str,
-    /// The thesis's symbol.
+    /// The thesis's symbol, in ASCII.
     pub symbol: &'static str,
-    /// Unit as printed.
-    pub unit: &'static str,
     /// What it is, in one line.
     pub meaning: &'static str,
     /// Whether it follows from other parameters of the list.
     pub derived: bool,
     /// The law of the model that it is, `resistance`; empty where none.
     pub law: &'static str,
+}
+
+impl ParameterDescription {
+    /// Unit as documents print it; empty of a pure number.
+    pub fn unit(&self) -> &'static str {
+        unit_of_key(self.key).unwrap_or_default()
+    }
 }
 
 /// A model that runs can be fitted with.
@@ -32,194 +40,68 @@ pub struct FitModel {
     pub parameters: &'static [ParameterDescription],
 }
 
-const fn fitted(
-    key: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-) -> ParameterDescription {
+const fn fitted(info: ParameterInfo) -> ParameterDescription {
+    of_law("", info)
+}
+
+const fn of_law(law: &'static str, info: ParameterInfo) -> ParameterDescription {
     ParameterDescription {
-        key,
-        symbol,
-        unit,
-        meaning,
+        key: info.key,
+        symbol: info.ascii,
+        meaning: info.name,
         derived: false,
-        law: "",
+        law,
     }
 }
 
-const fn of_law(law: &'static str, mut description: ParameterDescription) -> ParameterDescription {
-    description.law = law;
-    description
+const fn derived(info: ParameterInfo) -> ParameterDescription {
+    ParameterDescription {
+        derived: true,
+        ..of_law("", info)
+    }
 }
 
-const fn resistance(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
-    of_law("resistance", fitted(key, symbol, "Ohm cm2", meaning))
-}
+const R1: ParameterDescription = of_law("resistance", parameters::R1);
+const C1: ParameterDescription = of_law("capacitance", parameters::C1);
+const R2: ParameterDescription = of_law("resistance", parameters::R2);
+const C2: ParameterDescription = of_law("capacitance", parameters::C2);
+const R3: ParameterDescription = of_law("resistance", parameters::R3);
+const C3: ParameterDescription = of_law("capacitance", parameters::C3);
+const R4: ParameterDescription = of_law("resistance", parameters::R4);
+const C4: ParameterDescription = of_law("capacitance", parameters::C4);
+const RSS: ParameterDescription = of_law("leak", parameters::RSS);
+const ALPHA: ParameterDescription = of_law("coupling", parameters::ALPHA);
+const LAMBDA: ParameterDescription = of_law("relaxation", parameters::LAMBDA);
+const C_TOTAL: ParameterDescription = derived(parameters::C_TOTAL);
+const R_PARALLEL: ParameterDescription = derived(parameters::R_PARALLEL);
+const TAU1: ParameterDescription = derived(parameters::TAU1);
+const TAU2: ParameterDescription = derived(parameters::TAU2);
+const TAU3: ParameterDescription = derived(parameters::TAU3);
+const TAU4: ParameterDescription = derived(parameters::TAU4);
 
-const fn capacitance(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
-    of_law("capacitance", fitted(key, symbol, "F/cm2", meaning))
-}
+const RE: ParameterDescription = fitted(parameters::RE);
+const RC: ParameterDescription = of_law("resistance", parameters::RC);
+const C: ParameterDescription = of_law("capacitance", parameters::C);
+const MU: ParameterDescription = fitted(parameters::MU);
+const ALPHA_OF_MU: ParameterDescription = ParameterDescription {
+    derived: true,
+    ..ALPHA
+};
+const TAU_ALONG: ParameterDescription = derived(parameters::TAU);
+const RE_PER_RC: ParameterDescription = derived(parameters::RE_PER_RC);
+const RE_PER_RSS: ParameterDescription = derived(parameters::RE_PER_RSS);
 
-const fn time(key: &'static str, symbol: &'static str, meaning: &'static str) -> ParameterDescription {
-    derived(fitted(key, symbol, "s", meaning))
-}
-
-const fn derived(mut description: ParameterDescription) -> ParameterDescription {
-    description.derived = true;
-    description
-}
-
-const R1: ParameterDescription = resistance("r1_ohm_cm2", "R1", "resistance of the fastest branch");
-const C1: ParameterDescription = capacitance("c1_f_per_cm2", "C1", "capacitance of the fastest branch");
-const R2: ParameterDescription = resistance("r2_ohm_cm2", "R2", "resistance of the slower branch");
-const C2: ParameterDescription = capacitance("c2_f_per_cm2", "C2", "capacitance of the slower branch");
-const R3: ParameterDescription = resistance("r3_ohm_cm2", "R3", "resistance of the third branch");
-const C3: ParameterDescription = capacitance("c3_f_per_cm2", "C3", "capacitance of the third branch");
-const R4: ParameterDescription = resistance("r4_ohm_cm2", "R4", "resistance of the fourth branch");
-const C4: ParameterDescription = capacitance("c4_f_per_cm2", "C4", "capacitance of the fourth branch");
-const RSS: ParameterDescription = of_law(
-    "leak",
-    fitted(
-        "rss_ohm_cm2",
-        "R_ss",
-        "Ohm cm2",
-        "steady-state resistance: carries the current that never decays",
-    ),
-);
-const ALPHA: ParameterDescription = of_law(
-    "coupling",
-    fitted(
-        "alpha_per_c_cm",
-        "alpha",
-        "1/(C cm)",
-        "curvature per charge of the whole sample",
-    ),
-);
-const LAMBDA: ParameterDescription = of_law(
-    "relaxation",
-    fitted("lambda_per_s", "lambda", "1/s", "rate of back-relaxation"),
-);
-const C_TOTAL: ParameterDescription = derived(fitted(
-    "c_total_f_per_cm2",
-    "C1+C2",
-    "F/cm2",
-    "total capacitance: sets the final charge",
-));
-const R_PARALLEL: ParameterDescription = derived(fitted(
-    "r_parallel_ohm_cm2",
-    "R1||R2",
-    "Ohm cm2",
-    "branch resistances in parallel: set the first charging current",
-));
-
-const RE: ParameterDescription = fitted(
-    "re_ohm_per_sq",
-    "R_e",
-    "Ohm/sq",
-    "resistance of both electrodes along the strip",
-);
-const RC: ParameterDescription =
-    resistance("rc_ohm_cm2", "R_c", "resistance of the chain across the laminate");
-const C: ParameterDescription =
-    capacitance("c_f_per_cm2", "C", "capacitance of the chain across the laminate");
-const MU: ParameterDescription = fitted(
-    "mu_per_c",
-    "mu",
-    "1/C",
-    "curvature per charge of unit length of the strip",
-);
-const ALPHA_OF_MU: ParameterDescription = derived(ALPHA);
-const TAU_ALONG: ParameterDescription = time(
-    "tau_s",
-    "tau",
-    "time constant Rc C of a place whose voltage is held",
-);
-const RE_PER_RC: ParameterDescription = derived(fitted(
-    "re_l2_per_rc",
-    "Re L2/Rc",
-    "",
-    "resistance of the electrodes over the length against that of the chain across the laminate",
-));
-const RE_PER_RSS: ParameterDescription = derived(fitted(
-    "re_l2_per_rss",
-    "Re L2/Rss",
-    "",
-    "resistance of the electrodes over the length against the steady-state one across the laminate",
-));
-
-const TAU1: ParameterDescription = time("tau1_s", "tau1", "time constant R1 C1 of the fastest branch");
-const TAU2: ParameterDescription = time("tau2_s", "tau2", "time constant R2 C2 of the slower branch");
-
-const TAU3: ParameterDescription = time("tau3_s", "tau3", "time constant R3 C3 of the third branch");
-const TAU4: ParameterDescription = time("tau4_s", "tau4", "time constant R4 C4 of the fourth branch");
-
-const K1: ParameterDescription = fitted(
-    "k1_per_c_cm",
-    "K1",
-    "1/(C cm)",
-    "curvature per charge of the forward bending",
-);
-const K2: ParameterDescription = fitted(
-    "k2_per_c_cm",
-    "K2",
-    "1/(C cm)",
-    "curvature per charge in equilibrium",
-);
-const TRANSPORT: ParameterDescription = fitted(
-    "transport_s",
-    "tau_back",
-    "s",
-    "time constant of what flows back (tau_2 of equation 2)",
-);
-const KEPT: ParameterDescription = derived(fitted(
-    "kept_part",
-    "K2/K1",
-    "",
-    "part of the forward bending that stays in the end",
-));
-const ALPHA_FIRST: ParameterDescription = fitted(
-    "alpha_first_per_c_cm",
-    "alpha_0",
-    "1/(C cm)",
-    "curvature per charge at once",
-);
-const ALPHA_FINAL: ParameterDescription = fitted(
-    "alpha_final_per_c_cm",
-    "alpha_inf",
-    "1/(C cm)",
-    "curvature per charge in the end",
-);
-const RETARDATION: ParameterDescription = fitted(
-    "retardation_s",
-    "tau_ret",
-    "s",
-    "time constant with which the strip creeps to its final bending",
-);
-const FLOW: ParameterDescription = fitted(
-    "flow_rate_per_s",
-    "E/eta",
-    "1/s",
-    "rate at which the strip flows on, per bending at once",
-);
-const E1_PER_E0: ParameterDescription = fitted(
-    "e1_per_e0_per_s",
-    "E1/E0",
-    "1/s",
-    "growth of the modulus after the step, per final modulus",
-);
-const E2_PER_E0: ParameterDescription = fitted(
-    "e2_per_e0",
-    "E2/E0",
-    "",
-    "what the modulus has beyond the final one at the step, per final modulus",
-);
-const STIFFENING: ParameterDescription = fitted(
-    "stiffening_rate_per_s",
-    "lambda_E",
-    "1/s",
-    "rate at which the change of the modulus dies away (lambda of equation 1)",
-);
+const K1: ParameterDescription = fitted(parameters::K1);
+const K2: ParameterDescription = fitted(parameters::K2);
+const TRANSPORT: ParameterDescription = fitted(parameters::TRANSPORT);
+const KEPT: ParameterDescription = derived(parameters::KEPT);
+const ALPHA_FIRST: ParameterDescription = fitted(parameters::ALPHA_FIRST);
+const ALPHA_FINAL: ParameterDescription = fitted(parameters::ALPHA_FINAL);
+const RETARDATION: ParameterDescription = fitted(parameters::RETARDATION);
+const FLOW: ParameterDescription = fitted(parameters::FLOW);
+const E1_PER_E0: ParameterDescription = fitted(parameters::E1_PER_E0);
+const E2_PER_E0: ParameterDescription = fitted(parameters::E2_PER_E0);
+const STIFFENING: ParameterDescription = fitted(parameters::STIFFENING);
 
 static MODELS: [FitModel; 10] = [
     FitModel {

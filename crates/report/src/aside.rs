@@ -10,15 +10,15 @@ use super::figures::aside::AsideMark;
 use super::figures::axis::Axis;
 use super::pages::wording::RunLink;
 use super::site::Site;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::parameters::usable;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::significant;
 
 pub use ieap_analysis::condemned::{Aside, aside};
 
 /// The mark of a condemned run in a figure of a parameter, at `x`; none where its fit does not give a value.
 fn mark(aside: &Aside, site: &Site, key: &str, x: f64) -> Option<AsideMark> {
-    let factor = ParameterInfo::of(key).map_or(1.0, |info| info.shown_factor);
+    let factor = ParameterInfo::of(key).map_or(1.0, |info| info.shown_factor());
     let estimate = usable(site.input.record(aside.run), key)?;
     let value = estimate.value.filter(|value| value.is_finite())?;
     let shown = |end: Option<f64>| end.filter(|end| end.is_finite()).unwrap_or(value) * factor;

@@ -73,9 +73,9 @@ pub enum Kind {
     Count,
     /// Yes or no.
     Flag,
-    /// Numbers with their uncertainty, in their stored unit: five columns.
+    /// Numbers with their uncertainty: five columns.
     Estimate,
-    /// The same in the unit of the column.
+    /// The same of several sources.
     Combined,
     /// That of the first cell that is there.
     Any,
@@ -122,7 +122,7 @@ impl<R> Sheet<'_, R> {
     pub(crate) fn frame_of(&self, rows: &[R]) -> Frame {
         let columns = self.columns.iter().map(|column| {
             let values: Vec<Value> = rows.iter().map(|row| (column.of)(row).bare()).collect();
-            columns(&column.head, &column.key, column.kind, values)
+            columns(&column.head, column.kind, values)
         });
         columns.flatten().collect()
     }
@@ -153,7 +153,7 @@ pub fn frame_of(table: &Table) -> Frame {
             (false, false) => Kind::Text,
         };
         let value = |cell: &&Cell| value(cell, &table.notes, kind);
-        columns(column, &column.key, kind, cells.iter().map(value).collect())
+        columns(column, kind, cells.iter().map(value).collect())
     };
     table.columns.iter().enumerate().flat_map(of_column).collect()
 }
@@ -205,19 +205,13 @@ impl Value {
     }
 }
 
-/// The columns under a head; an estimate stands under the key that it is `stored` by.
-fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame {
-    let shown = head.key.as_str();
-    // Estimates stand as they are stored, others as they are shown.
-    let headed_unit = if kind == Kind::Estimate && head.key != stored {
-        ""
-    } else {
-        &head.unit
-    };
+/// The columns under a head.
+fn columns(head: &Column, kind: Kind, values: Vec<Value>) -> Frame {
+    let name = head.key.as_str();
     let named = |name: &str, cells| FrameColumn {
         name: name.to_owned(),
         quantity: head.quantity.clone(),
-        headed_unit: headed_unit.to_owned(),
+        headed_unit: head.unit.clone(),
         cells,
     };
     let first = || values.iter().map(Value::kind).find(|kind| *kind != Kind::Any);
@@ -232,7 +226,6 @@ fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame
         Kind::Count => FrameCells::Counts(values.map(count).collect()),
         Kind::Flag => FrameCells::Flags(values.map(flag).collect()),
         Kind::Estimate | Kind::Combined => {
-            let name = if kind == Kind::Estimate { stored } else { shown };
             let all: Vec<Option<Estimate>> = values.map(estimate).collect();
             let numbers = |end: &str, of: fn(&Estimate) -> Option<f64>| {
                 let cells = all.iter().map(|own| finite(own.as_ref().and_then(of)?));
@@ -248,7 +241,7 @@ fn columns(head: &Column, stored: &str, kind: Kind, values: Vec<Value>) -> Frame
             ];
         }
     };
-    vec![named(shown, cells)]
+    vec![named(name, cells)]
 }
 
 fn finite(number: f64) -> Option<f64> {
@@ -316,7 +309,7 @@ mod tests {
     use super::*;
     use crate::Quantity;
 
-    const C1: Quantity = Quantity::new("c1_f", "C₁", "capacitance", "F").shown_in("c1_mf", "mF", 1e3);
+    const C1: Quantity = Quantity::new("c1_f", "C₁", "capacitance", "F").shown_in("mF", 1e3);
 
     #[test]
     fn each_kind_keeps_its_kind_and_its_empty_cells() {

@@ -15,5 +15,5 @@ pub use chart::{Chart, Form, Ink, Layer, Mark, Panel, Range, Scale};
 pub use document::Document;
 pub use frame::{Frame, FrameCells, FrameColumn, frame_of};
 pub use quantities::Quantity;
-pub use sheet::{Combined, Made, Printed, Rough, Sheet, Value, rough, shown};
+pub use sheet::{Combined, Made, Printed, Rough, Sheet, Value, content_of, rough};
 pub use table::{Cell, Column, Content, Measured, Notes, Pooled, Row, Source, SourceOrigin, Table};

@@ -1,5 +1,7 @@
 //! Quantities, each said once: how it is stored, named and shown in every medium.
 
+use ieap_domain::{DisplayUnit, ParameterInfo};
+
 use crate::table::Column;
 
 /// A quantity.
@@ -7,16 +9,14 @@ use crate::table::Column;
 pub struct Quantity {
     /// Key under which it is stored, with its unit: `c1_f`.
     pub key: &'static str,
-    /// Key of the column that shows it, with the unit that it is shown in: `c1_mf`.
-    pub column: &'static str,
     /// Symbol or short title: `C₁`.
     pub symbol: &'static str,
     /// What it is, in words.
     pub name: &'static str,
-    /// Unit in which it is shown; empty for words and pure numbers.
+    /// Unit in which it is stored; empty for words and pure numbers.
     pub unit: &'static str,
-    /// Shown number per stored number.
-    pub factor: f64,
+    /// Unit in which people read it, where that is another.
+    pub display: Option<DisplayUnit>,
 }
 
 impl Quantity {
@@ -29,11 +29,10 @@ impl Quantity {
     ) -> Quantity {
         Quantity {
             key,
-            column: key,
             symbol,
             name,
             unit,
-            factor: 1.0,
+            display: None,
         }
     }
 
@@ -42,12 +41,10 @@ impl Quantity {
         Quantity::new(key, symbol, name, "")
     }
 
-    /// The same, shown in another unit.
-    pub const fn shown_in(self, column: &'static str, unit: &'static str, factor: f64) -> Quantity {
+    /// The same, of which people read `factor` times the stored number in another unit.
+    pub const fn shown_in(self, unit: &'static str, factor: f64) -> Quantity {
         Quantity {
-            column,
-            unit,
-            factor,
+            display: Some(DisplayUnit { unit, factor }),
             ..self
         }
     }
@@ -59,7 +56,19 @@ impl Quantity {
 
     /// Its column.
     pub fn of_column(&self) -> Column {
-        Column::of(self.column, self.symbol, self.name, self.unit)
+        Column {
+            display: self.display,
+            ..Column::of(self.key, self.symbol, self.name, self.unit)
+        }
+    }
+}
+
+impl From<&ParameterInfo> for Quantity {
+    fn from(info: &ParameterInfo) -> Quantity {
+        Quantity {
+            display: info.display,
+            ..Quantity::new(info.key, info.symbol, info.name, info.unit())
+        }
     }
 }
 

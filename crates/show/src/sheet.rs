@@ -9,7 +9,7 @@ use crate::table::{Cell, Column, Content, Measured, Notes, Row, Source, Table};
 /// Digits that a number without uncertainty is told by.
 const ROUGH_DIGITS: i32 = 3;
 
-/// What stands in a cell. Digits, units and notation are the writers' work.
+/// What stands in a cell, in the unit that it is stored in. Digits, shown units and notation are the writers' work.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// Words.
@@ -24,7 +24,7 @@ pub enum Value {
     Rough(f64, i32),
     /// A coefficient of determination.
     Score(f64),
-    /// A number with its uncertainty, a bound, or why there is neither; in its stored unit.
+    /// A number with its uncertainty, a bound, or why there is neither.
     Estimate(Estimate),
     /// What several sources say together.
     Combined(Combined),
@@ -36,7 +36,7 @@ pub enum Value {
     Printed(Box<Value>, Box<Value>),
 }
 
-/// What several sources say together, such as a mean over repeats: in the column's unit, with sources of its own.
+/// What several sources say together, such as a mean over repeats, with sources of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combined {
     /// What stands in the cell.
@@ -149,12 +149,9 @@ impl<T: Into<Value>> From<Option<T>> for Value {
 /// What is read off a row.
 type Of<'s, R, T> = Box<dyn Fn(&R) -> T + 's>;
 
-/// A column: its head, the key of its numbers as they are stored, the shown number per stored number, and what is read off a
-/// row.
+/// A column: its head, and what is read off a row.
 pub(crate) struct SheetColumn<'s, R> {
     pub(crate) head: Column,
-    pub(crate) key: String,
-    factor: f64,
     pub(crate) kind: Kind,
     pub(crate) of: Of<'s, R, Value>,
     /// Whether people see it where nobody chooses columns.
@@ -244,8 +241,6 @@ impl<'s, R> Sheet<'s, R> {
     pub fn column<V: OfKind>(mut self, quantity: Quantity, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.columns.push(SheetColumn {
             head: quantity.of_column(),
-            key: quantity.key.to_owned(),
-            factor: quantity.factor,
             kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
             printed: true,
@@ -253,12 +248,10 @@ impl<'s, R> Sheet<'s, R> {
         self
     }
 
-    /// A column whose head is known only when the table is made; its numbers are shown as they are stored.
+    /// A column whose head is known only when the table is made.
     pub fn column_under<V: OfKind>(mut self, head: Column, of: impl Fn(&R) -> V + 's) -> Sheet<'s, R> {
         self.columns.push(SheetColumn {
-            key: head.key.clone(),
             head,
-            factor: 1.0,
             kind: V::KIND,
             of: Box::new(move |row| of(row).into()),
             printed: true,
@@ -382,14 +375,11 @@ impl<R> SheetColumn<'_, R> {
             Value::Printed(_, read) => self.cell(*read, sources, notes),
             Value::Estimate(estimate) => {
                 let of_number = |source: &Source| Source {
-                    key: Some(self.key.clone()),
+                    key: Some(self.head.key.clone()),
                     estimate: Some(estimate.clone()),
                     ..source.clone()
                 };
-                let cell = Cell::new(
-                    shown(&estimate, self.factor),
-                    sources.iter().map(of_number).collect(),
-                );
+                let cell = Cell::new(content_of(&estimate), sources.iter().map(of_number).collect());
                 noted(cell, estimate.reason.clone(), notes)
             }
         }
@@ -402,13 +392,12 @@ fn noted(cell: Cell, texts: impl IntoIterator<Item = String>, notes: &mut Notes)
         .fold(cell, |cell, text| cell.noted(notes.at(&text)))
 }
 
-/// What a cell shows of an estimate, in a unit that is `factor` times its own.
-pub fn shown(estimate: &Estimate, factor: f64) -> Content {
-    let own = estimate.scaled(factor);
-    match (own.value, own.low_95, own.high_95) {
+/// What a cell has of an estimate.
+pub fn content_of(estimate: &Estimate) -> Content {
+    match (estimate.value, estimate.low_95, estimate.high_95) {
         (Some(value), low_95, high_95) => Content::Measured(Measured {
             value,
-            standard_error: own.standard_error,
+            standard_error: estimate.standard_error,
             low_95,
             high_95,
             pooled: None,
@@ -423,7 +412,7 @@ mod tests {
     use super::*;
     use crate::quantities;
 
-    const C1: Quantity = Quantity::new("c1_f", "C₁", "capacitance", "F").shown_in("c1_mf", "mF", 1e3);
+    const C1: Quantity = Quantity::new("c1_f", "C₁", "capacitance", "F").shown_in("mF", 1e3);
 
     fn sheet() -> Sheet<'static, (&'static str, Estimate)> {
         Sheet::<(&'static str, Estimate)>::new("strips", "Strips", 1)
@@ -434,14 +423,23 @@ mod tests {
     }
 
     #[test]
-    fn a_number_stands_in_the_unit_of_its_column_and_its_source_as_stored() {
+    fn a_number_stands_as_it_is_stored_and_is_read_in_the_unit_that_it_is_shown_in() {
         let known = Estimate::determined(0.012, 1e-3, 0.01, 0.014);
         let open = Estimate::not_determined("the record is too short");
         let table = sheet().over([("a", known.clone()), ("b", open)]);
-        assert_eq!(table.columns[1].key, "c1_mf");
+        let head = |table: &Table| (table.columns[1].key.clone(), table.columns[1].unit.clone());
+        let number = |table: &Table| match table.rows[0].cells[1].content {
+            Content::Measured(own) => own.value,
+            _ => f64::NAN,
+        };
+        assert_eq!(
+            (head(&table), number(&table)),
+            (("c1_f".into(), "F".into()), 0.012)
+        );
+        let read = table.as_read();
+        assert_eq!((head(&read), number(&read)), (("c1_f".into(), "mF".into()), 12.0));
         assert_eq!(table.rows[0].label, "a");
         let cell = &table.rows[0].cells[1];
-        assert!(matches!(cell.content, Content::Measured(own) if (own.value - 12.0).abs() < 1e-9));
         assert_eq!(cell.sources[0].estimate.as_ref(), Some(&known));
         assert_eq!(cell.sources[0].key.as_deref(), Some("c1_f"));
         assert_eq!(table.rows[1].cells[1].content, Content::NotDetermined);

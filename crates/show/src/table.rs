@@ -1,6 +1,6 @@
 //! A table as a value: columns with quantity and unit, cells with uncertainty and provenance. Nothing is rounded here.
 
-use ieap_domain::Estimate;
+use ieap_domain::{DisplayUnit, Estimate};
 
 /// A finished table. `report::tables` writes it in every format.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,16 +26,18 @@ pub struct Table {
 }
 
 /// A column.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Column {
-    /// Name for machines, with the unit in which the numbers are: `rss_kohm_cm2`.
+    /// Name for machines, with the unit in which the numbers are: `rss_ohm_cm2`.
     pub key: String,
     /// Symbol or short title: `Rₛₛ`.
     pub symbol: String,
     /// The quantity in words.
     pub quantity: String,
-    /// Unit, empty for words and pure numbers: `kΩ cm²`.
+    /// Unit of the numbers, empty for words and pure numbers: `Ω cm²`.
     pub unit: String,
+    /// Unit in which people read them, where that is another.
+    pub display: Option<DisplayUnit>,
 }
 
 impl Column {
@@ -51,6 +53,7 @@ impl Column {
             symbol: symbol.to_owned(),
             quantity: quantity.to_owned(),
             unit: unit.to_owned(),
+            display: None,
         }
     }
 }
@@ -101,7 +104,7 @@ pub struct Measured {
     pub low_95: Option<f64>,
     /// Upper end.
     pub high_95: Option<f64>,
-    /// How the mean came about; none for a single run.
+    /// How the mean came about, in the unit of the column as it is stored; none for a single run.
     pub pooled: Option<Pooled>,
 }
 
@@ -262,7 +265,45 @@ impl Table {
     }
 }
 
+impl Content {
+    /// The same in a unit of which `factor` make one of its own.
+    fn scaled(&self, factor: f64) -> Content {
+        let end = |number: Option<f64>| number.map(|number| number * factor);
+        match *self {
+            Content::Exact(number) => Content::Exact(number * factor),
+            Content::Rough(number, digits) => Content::Rough(number * factor, digits),
+            Content::Measured(own) => Content::Measured(Measured {
+                value: own.value * factor,
+                standard_error: end(own.standard_error),
+                low_95: end(own.low_95),
+                high_95: end(own.high_95),
+                pooled: own.pooled,
+            }),
+            Content::Bound { low, high } => Content::Bound {
+                low: end(low),
+                high: end(high),
+            },
+            ref other => other.clone(),
+        }
+    }
+}
+
 impl Table {
+    /// The same as people read it: numbers in the units that columns are shown in.
+    pub fn as_read(&self) -> Table {
+        let mut table = self.clone();
+        for (at, column) in table.columns.iter_mut().enumerate() {
+            let Some(DisplayUnit { unit, factor }) = column.display.take() else {
+                continue;
+            };
+            unit.clone_into(&mut column.unit);
+            for row in &mut table.rows {
+                row.cells[at].content = row.cells[at].content.scaled(factor);
+            }
+        }
+        table
+    }
+
     /// The same without these columns: where what is around it says them already.
     pub fn without(&self, keys: &[&str]) -> Table {
         let is_kept = |&at: &usize| !keys.contains(&self.columns[at].key.as_str());
@@ -367,7 +408,7 @@ mod tests {
         Table {
             columns: vec![
                 Column::plain("environment", "Environment", "environment"),
-                Column::of("rss_kohm_cm2", "Rₛₛ", "steady-state resistance", "kΩ cm²"),
+                Column::of("rss_ohm_cm2", "Rₛₛ", "steady-state resistance", "Ω cm²"),
             ],
             rows: vec![row("CNaf, air, 1.2 V"), row("CNaf, air, 2.5 V"), row("CNaf, air")],
             ..Table::default()
@@ -397,7 +438,7 @@ mod tests {
         );
         let refused = table().row_named("V").unwrap_err();
         assert!(refused.contains("several"), "{refused}");
-        assert!(table().column_named("9").unwrap_err().contains("2 rss_kohm_cm2"));
+        assert!(table().column_named("9").unwrap_err().contains("2 rss_ohm_cm2"));
     }
 
     #[test]

@@ -2,13 +2,12 @@
 //! parameters and views are made from.
 
 use crate::analysis::laws::doubt::Doubts;
-use crate::analysis::parameters::ParameterInfo;
 use crate::analysis::study::Study;
 use crate::analysis::tables::{TABLES, TableInput};
 use crate::analysis::traces;
+use crate::domain::ParameterInfo;
 use crate::domain::{Campaign, RunRecord};
 use crate::model::effects;
-use crate::model::fit_models;
 use crate::show::{Frame, FrameCells, FrameColumn, Sheet};
 use crate::store::meaning;
 
@@ -106,11 +105,9 @@ fn meaning_of(table: &str, column: &str, quantity: &str) -> Option<String> {
 
 /// What the parameter of a model, or of an effect that extends one, is.
 fn of_parameter(key: &str) -> Option<&'static str> {
-    let of_models = fit_models().iter().flat_map(|model| model.parameters);
     let of_effects = effects::ALL.iter().flat_map(|effect| effect.about().parameters);
-    let compared = ParameterInfo::all().map(|own| (own.key, own.name));
-    compared
-        .chain(of_models.map(|own| (own.key, own.meaning)))
+    let of_models = ParameterInfo::all().map(|own| (own.key, own.name));
+    of_models
         .chain(of_effects.map(|own| (own.key, own.meaning)))
         .find(|(own, _)| *own == key)
         .map(|(_, said)| said)
@@ -121,6 +118,7 @@ mod tests {
     use super::*;
     use crate::analysis::tables;
     use crate::domain::testing::{fit, known, run};
+    use crate::model::fit_models;
     use crate::store::meanings;
 
     /// Of a campaign with every kind of parameter: those of all models.

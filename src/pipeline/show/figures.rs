@@ -3,9 +3,7 @@
 use super::along::PageCurves;
 use super::report::input;
 use super::simulated_figures::{SIMULATED, simulated_named};
-use crate::analysis::ParameterInfo;
-use crate::analysis::parameters::begins_key;
-use crate::model::fit_models;
+use crate::domain::ParameterInfo;
 use crate::pipeline::findings::kept;
 use crate::pipeline::{Context, PipelineError};
 use crate::report::Site;
@@ -157,11 +155,9 @@ impl MakeFigure {
     }
 }
 
-/// Whether a parameter of a model, or one that comparisons show, is called so.
+/// Whether a parameter of a model is called so.
 fn is_parameter(asked: &str) -> bool {
-    let mut of_models = fit_models().iter().flat_map(|model| model.parameters);
     ParameterInfo::all().any(|known| known.is_called(asked))
-        || of_models.any(|known| begins_key(known.key, asked) || known.symbol == asked)
 }
 
 fn within(

@@ -48,7 +48,7 @@ pub const CYCLE_FIGURES: [ieap_show::Quantity; 7] = [
         "mJ",
     ),
     ieap_show::Quantity::new(
-        "alpha_per_c_cm",
+        "curvature_per_c_cm",
         "Δκ/ΔQ",
         "curvature per charge that flows",
         "C⁻¹ cm⁻¹",

@@ -58,7 +58,7 @@ pub const STEP: [Quantity; 9] = [
         "time until the modulus stays within 5 % of its change from equilibrium",
         "s",
     )
-    .shown_in("equilibrium_time_min", "min", PER_MINUTE),
+    .shown_in("min", PER_MINUTE),
     Quantity::new(
         step_keys::MODULUS_EQUILIBRIUM,
         "|E*| in equilibrium",

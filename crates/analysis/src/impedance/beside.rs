@@ -15,16 +15,16 @@ const VOLTAGE_ALIKE_V: f64 = 0.05;
 /// Reason of a bound that several steps give together.
 const NONE_DETERMINES: &str = "no step determines it";
 
-/// What is compared: key of the spectrum (Ohm or F), key of the step (per area), symbol, whether it is per area (F/cm2)
-/// and not times area (Ohm cm2).
-const COMPARED: [(&str, &str, &str, bool); 7] = [
-    ("r1_ohm", "r1_ohm_cm2", "R₁", false),
-    ("c1_f", "c1_f_per_cm2", "C₁", true),
-    ("r2_ohm", "r2_ohm_cm2", "R₂", false),
-    ("c2_f", "c2_f_per_cm2", "C₂", true),
-    ("rss_ohm", "rss_ohm_cm2", "R_ss", false),
-    ("c_total_f", "c_total_f_per_cm2", "C_total", true),
-    ("r_parallel_ohm", "r_parallel_ohm_cm2", "R∥", false),
+/// What is compared: key of the spectrum (Ohm or F), key of the step (per area), whether it is per area (F/cm2) and not times
+/// area (Ohm cm2).
+const COMPARED: [(&str, &str, bool); 7] = [
+    ("r1_ohm", "r1_ohm_cm2", false),
+    ("c1_f", "c1_f_per_cm2", true),
+    ("r2_ohm", "r2_ohm_cm2", false),
+    ("c2_f", "c2_f_per_cm2", true),
+    ("rss_ohm", "rss_ohm_cm2", false),
+    ("c_total_f", "c_total_f_per_cm2", true),
+    ("r_parallel_ohm", "r_parallel_ohm_cm2", false),
 ];
 
 /// A number from a spectrum and from steps, per unit area.
@@ -32,9 +32,6 @@ const COMPARED: [(&str, &str, &str, bool); 7] = [
 pub struct BesideRow {
     /// Key of the step's number, with its unit.
     pub key: &'static str,
-    /// Symbol.
-    #[serde(skip)]
-    pub symbol: &'static str,
     /// From the spectrum.
     pub spectrum: Estimate,
     /// From the steps at the lowest voltage, which is nearest to the small voltage of a spectrum.
@@ -142,7 +139,6 @@ fn compared(
             let ratio = ratio(&of_steps, &of_spectrum);
             Some(BesideRow {
                 key: compared.1,
-                symbol: compared.2,
                 agrees: can_be_same(&of_steps, &of_spectrum),
                 ratio,
                 spectrum: of_spectrum,
@@ -195,11 +191,7 @@ fn is_beside(spectrum: &RunRecord, run: &RunRecord) -> bool {
 }
 
 /// A number of the spectrum's circuit per unit area.
-fn of_area(
-    circuit: &CircuitFit,
-    (key, _, _, per_area): (&str, &str, &str, bool),
-    area_cm2: f64,
-) -> Option<Estimate> {
+fn of_area(circuit: &CircuitFit, (key, _, per_area): (&str, &str, bool), area_cm2: f64) -> Option<Estimate> {
     let factor = if per_area { area_cm2.recip() } else { area_cm2 };
     Some(circuit.parameter(key)?.scaled(factor))
 }

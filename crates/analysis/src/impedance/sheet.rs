@@ -8,7 +8,7 @@ use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, Quantity, SAMPLE};
 use ieap_show::{Sheet, Source, Table, Value, rough};
 
 use super::beside::{BesideRow, Comparison};
-use crate::parameters::ParameterInfo;
+use ieap_domain::ParameterInfo;
 
 /// Said where there is none.
 pub const NO_SPECTRUM: &str = "No impedance spectrum is there: put files into impedance/ or beside the runs.";
@@ -43,11 +43,11 @@ const VALUE: Quantity = Quantity::plain("value", "Value", "value");
 /// Numbers of the circuits that every spectrum is fitted with.
 const NUMBERS: [Quantity; 12] = [
     Quantity::new("r1_ohm", "R₁", "resistance of the first chain", "Ω"),
-    Quantity::new("c1_f", "C₁", "capacitance of the first chain", "F").shown_in("c1_mf", "mF", 1e3),
+    Quantity::new("c1_f", "C₁", "capacitance of the first chain", "F").shown_in("mF", 1e3),
     Quantity::new("r2_ohm", "R₂", "resistance of the second chain", "Ω"),
-    Quantity::new("c2_f", "C₂", "capacitance of the second chain", "F").shown_in("c2_mf", "mF", 1e3),
-    Quantity::new("rss_ohm", "Rₛₛ", "steady-state resistance", "Ω").shown_in("rss_kohm", "kΩ", 1e-3),
-    Quantity::new("c_total_f", "C_total", "total capacitance", "F").shown_in("c_total_mf", "mF", 1e3),
+    Quantity::new("c2_f", "C₂", "capacitance of the second chain", "F").shown_in("mF", 1e3),
+    Quantity::new("rss_ohm", "Rₛₛ", "steady-state resistance", "Ω").shown_in("kΩ", 1e-3),
+    Quantity::new("c_total_f", "C_total", "total capacitance", "F").shown_in("mF", 1e3),
     Quantity::new(
         "r_parallel_ohm",
         "R∥",
@@ -57,8 +57,7 @@ const NUMBERS: [Quantity; 12] = [
     Quantity::plain("cpe_exponent", "n", "exponent of the constant-phase element"),
     Quantity::new("cpe_s_sn", "Q", "size of the constant-phase element", "S sⁿ"),
     Quantity::new("rw_ohm", "R_W", "resistance of the finite Warburg element", "Ω"),
-    Quantity::new("cw_f", "C_W", "capacitance of the finite Warburg element", "F")
-        .shown_in("cw_mf", "mF", 1e3),
+    Quantity::new("cw_f", "C_W", "capacitance of the finite Warburg element", "F").shown_in("mF", 1e3),
     Quantity::new("warburg_s_s05", "Y_W", "size of the Warburg element", "S s^½"),
 ];
 /// Ends of keys with their units; `cpe1_s_sn` of a circuit as a text is `CPE1 (S sⁿ)`.
@@ -201,7 +200,7 @@ pub fn relaxation_times<'a>(spectra: &'a [SpectrumRun]) -> Table {
     type OfPeak<'a> = (Analysed<'a>, &'a RelaxationTimes, usize, &'a RelaxationPeak);
     const PEAK: Quantity = Quantity::plain("peak", "Peak", "number of the peak, from the fastest");
     const TAU: Quantity = Quantity::new("tau_s", "τ", "time constant of the peak", "s");
-    const RESISTANCE: Quantity = Quantity::new("resistance_ohm", "R", "resistance of the peak", "Ω");
+    const RESISTANCE: Quantity = Quantity::new("peak_resistance_ohm", "R", "resistance of the peak", "Ω");
     const FROM: Quantity = Quantity::new("from_s", "from", "least value before the peak", "s");
     const TO: Quantity = Quantity::new("to_s", "to", "least value behind the peak", "s");
     const LAMBDA: Quantity = Quantity::plain("regularisation", "λ", "strength of the regularisation");
@@ -245,7 +244,7 @@ pub fn beside(found: &Comparison) -> Table {
     const AGREES: Quantity = Quantity::plain("agrees", "Verdict", "whether both can be the same");
     let sheet = Sheet::<&BesideRow>::new("beside-steps", "Numbers per unit area", 1)
         .column(SYMBOL, |row| {
-            ParameterInfo::of(row.key).map(|info| format!("{} ({})", info.symbol, info.unit))
+            ParameterInfo::of(row.key).map(|info| format!("{} ({})", info.symbol, info.unit()))
         })
         .column(OF_SPECTRUM, |row| Value::from(&row.spectrum))
         .column(OF_STEP, |row| Value::from(&row.step));

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use ieap_domain::number::{fixed, interval, rounded_bound, significant};
 use ieap_domain::{Estimate, EstimateState};
 
+use crate::laws::words::symbol;
+
 use super::beside::{BesideRow, Comparison, can_be_same};
 
 /// A ratio within which a difference is too small to speak of an effect, though it lies beyond the intervals: two
@@ -202,7 +204,7 @@ fn chains(comparison: &Comparison, said: &mut Said) {
     if off.is_empty() || wholes_differ {
         return;
     }
-    let symbols: Vec<&str> = off.iter().map(|row| row.symbol).collect();
+    let symbols: Vec<&str> = off.iter().map(|row| symbol(row.key)).collect();
     let sentence = format!(
         "{} differ, though total capacitance and fast resistance do not: two chains share a spread of time constants in another \
          way at other frequencies (dispersion, warburg).",

@@ -3,8 +3,8 @@
 use super::covariate::Covariate;
 use super::doubt::{Doubted, Treatment};
 use crate::monitoring::fitted::Interval;
-use crate::parameters::ParameterInfo;
 use crate::study::factor;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::{rounded_bound, significant};
 use ieap_domain::words::{counted, in_a_row};
 

@@ -49,7 +49,7 @@ pub fn table(found: Compared) -> Table {
     let table = Sheet::<Of>::new("models", "Models compared", 3)
         .made_from(sources)
         .column(MATERIAL, |(of, _)| of.material.clone())
-        .column(Quantity { key: "surroundings", column: "surroundings", ..ENVIRONMENT.called(ENVIRONMENT.symbol, "surroundings") }, |(of, _)| {
+        .column(Quantity { key: "surroundings", ..ENVIRONMENT.called(ENVIRONMENT.symbol, "surroundings") }, |(of, _)| {
             of.surroundings.clone()
         })
         .column(Quantity::plain("model", "Model", "model, the best first"), |(_, own)| own.model.clone())

@@ -8,9 +8,9 @@ use ieap_show::{Chart, Ink, Layer, Mark, Panel, Range};
 use super::lives::Lives;
 use super::series::{Series, Study};
 use super::{Watched, words};
-use crate::ParameterInfo;
 use crate::laws::words::symbol;
 use crate::parameters::usable;
+use ieap_domain::ParameterInfo;
 
 /// Places at which a trend is drawn.
 const DRAWN: usize = 60;
@@ -52,7 +52,7 @@ fn of_life(lives: &Lives, watched: &Watched) -> Option<Panel> {
         return None;
     }
     let info = ParameterInfo::of(&watched.parameter);
-    let factor = info.map_or(1.0, |info| info.shown_factor);
+    let factor = info.map_or(1.0, |info| info.shown_factor());
     let on_scale = |y: f64| factor * if series.is_log { y.exp() } else { y };
     let every = series.x.len().div_ceil(MOST_MARKS);
     let drawn = || (0..series.x.len()).step_by(every);
@@ -83,7 +83,7 @@ fn of_life(lives: &Lives, watched: &Watched) -> Option<Panel> {
     layers.extend(set_aside(lives, watched, factor));
     layers.retain(|layer| !layer.points.is_empty());
     let (name, unit) = info.map_or((watched.parameter.clone(), ""), |info| {
-        (info.symbol.to_owned(), info.shown_unit)
+        (info.symbol.to_owned(), info.shown_unit())
     });
     let y = if series.is_log && low > 0.0 && high / low > SPANS {
         Range::log(name, unit)

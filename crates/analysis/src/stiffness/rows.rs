@@ -138,7 +138,7 @@ fn is_held(run: &RunRecord) -> bool {
 }
 
 fn alpha(input: &TableInput, free: &[usize]) -> Estimate {
-    match Runs::new(input, free).parameter("alpha_per_c_cm", 1.0).content {
+    match Runs::new(input, free).parameter("alpha_per_c_cm").content {
         Content::Measured(Measured {
             value,
             standard_error,

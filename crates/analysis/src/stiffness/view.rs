@@ -88,11 +88,7 @@ fn chart(rows: &[SampleRow]) -> Option<Chart> {
 
 /// Moment per charge of a held strip.
 pub(crate) const PER_CHARGE: Quantity =
-    Quantity::new("mu_mn_mm_per_c", "μ", "moment per charge", "mN mm C⁻¹").shown_in(
-        "mu_mn_m_per_c",
-        "mN m C⁻¹",
-        1e-3,
-    );
+    Quantity::new("mu_mn_mm_per_c", "μ", "moment per charge", "mN mm C⁻¹").shown_in("mN m C⁻¹", 1e-3);
 
 /// Runs of held strips.
 fn held(input: &TableInput, rows: &[SampleRow]) -> Table {

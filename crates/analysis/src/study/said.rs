@@ -299,7 +299,7 @@ impl<'a> Sentence<'a> {
         }
     }
 
-    /// `CNaf's leakage resistance Rₛₛ probably falls to 4.4 % (0.59 to 32 %)`, and at which voltages.
+    /// `CNaf's steady-state resistance Rₛₛ probably falls to 4.4 % (0.59 to 32 %)`, and at which voltages.
     fn change(&self, answer: &Answer, whose: &str, before: &mut Before) -> (String, String) {
         let (is_lost, by) = (answer.parameter == BENDING_LOST, told_by(self.study, answer));
         let (said, at) = if by.kind == Kind::ByVoltage {
@@ -361,7 +361,7 @@ fn at_each(each: &[&Answer], answer: &Answer) -> String {
     against + &at_voltages(&volts)
 }
 
-/// `leakage resistance Rₛₛ`, and `Rₛₛ` once that was said.
+/// `steady-state resistance Rₛₛ`, and `Rₛₛ` once that was said.
 fn named(answer: &Answer, before: &mut Before) -> String {
     let (name, symbol) = (name(answer.parameter), symbol(answer.parameter));
     if before.named.insert(answer.parameter) && !name.is_empty() {

@@ -16,9 +16,9 @@ use super::measures::BENDING_PER_VOLT;
 use super::odd::odd_runs;
 use super::said::{first, lead};
 use super::words::{basis, by_fits, family, left_out, sentence, symbol, told_alone, voltages};
-use crate::ParameterInfo;
 use crate::conditions::volts;
 use crate::tables::laws;
+use ieap_domain::ParameterInfo;
 
 const KIND: Quantity = Quantity::plain("question", "Question", "what is compared");
 const PARAMETER: Quantity = Quantity::plain("parameter", "Parameter", "parameter");
@@ -451,7 +451,7 @@ fn law_chart(answer: &Answer) -> Option<Chart> {
     let (drawn, (from, to)) = (answer.drawn.as_ref()?, answer.from_to?);
     let (value, low, high) = (answer.value?, answer.low_95?, answer.high_95?);
     let info = ParameterInfo::of(answer.parameter);
-    let factor = info.map_or(1.0, |info| info.shown_factor);
+    let factor = info.map_or(1.0, |info| info.shown_factor());
     let on_scale = |y: f64| match answer.scale {
         Scale::Points => y,
         Scale::Ratio | Scale::PerUnit | Scale::OfRange => factor * y.exp(),
@@ -476,7 +476,7 @@ fn law_chart(answer: &Answer) -> Option<Chart> {
         layers.push(layer.with_bars(own().map(bar).collect()));
     }
     let name = match info {
-        Some(info) => format!("{} ({})", info.symbol, info.shown_unit),
+        Some(info) => format!("{} ({})", info.symbol, info.shown_unit()),
         None => symbol(answer.parameter).to_owned(),
     };
     let x = match answer.unit() {

@@ -1,5 +1,6 @@
 //! An answer in a sentence of its own: what is asked, what it shows, what it rests on, what else may be the cause.
 
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::estimates::ends;
 use ieap_domain::number::{rounded_bound, significant};
 use ieap_domain::words::{capital, counted, in_a_row};
@@ -15,13 +16,10 @@ use crate::laws::words::symbol as of_parameter;
 /// Name of what is asked about, as it is said before its symbol; empty where that is words itself.
 pub(super) fn name(key: &str) -> &'static str {
     match key {
-        "alpha_per_c_cm" => "coupling",
-        "lambda_per_s" => "back-relaxation rate",
-        "c_total_f_per_cm2" => "capacitance",
-        "r_parallel_ohm_cm2" => "charging resistance",
-        "rss_ohm_cm2" => "leakage resistance",
         BENDING_PER_VOLT => "bending per volt",
-        _ => "",
+        // Short for what it couples, which its symbol says.
+        "alpha_per_c_cm" => "coupling",
+        key => ParameterInfo::of(key).map_or("", |info| info.name),
     }
 }
 

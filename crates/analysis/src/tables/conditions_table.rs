@@ -9,7 +9,8 @@ use super::of_condition::{OfCondition, Own, of_conditions};
 use super::of_several::{Runs, pooled_remark};
 use crate::conditions::conditions;
 use crate::one_fit::SharedEstimate;
-use crate::parameters::{PARAMETERS, ParameterInfo, usable};
+use crate::parameters::usable;
+use ieap_domain::parameters::PARAMETERS;
 use ieap_numerics::sums;
 use ieap_show::Made;
 use ieap_show::quantities::{Quantity, RUNS, SAMPLES};
@@ -22,10 +23,7 @@ const FITTED: Quantity = Quantity::plain("runs_fitted", "Fitted", "number of run
 /// (empty for fewer than two). Fits that did not converge are left out; runs with the one parameter set of a group count as one.
 pub fn make<M: Made>(input: &TableInput) -> M {
     let found = conditions(input.runs, input.campaign);
-    let sums: Vec<Quantity> = PARAMETERS[FIRST_SUM..]
-        .iter()
-        .map(ParameterInfo::quantity)
-        .collect();
+    let sums: Vec<Quantity> = PARAMETERS[FIRST_SUM..].iter().map(Quantity::from).collect();
     let humidity = |own: &OfCondition| own.surroundings().humidity;
     type Of<'a> = Own<'a, ()>;
     let sheet = of_conditions("conditions", 4, "Conditions that were measured")
@@ -44,7 +42,7 @@ pub fn make<M: Made>(input: &TableInput) -> M {
         .column(FITTED, |(of, ())| {
             of.runs.records().filter(|run| run.fit.is_some()).count()
         })
-        .columns(&sums, |(of, ()), number| of.runs.shown(number));
+        .columns(&sums, |(of, ()), number| of.runs.parameter(number.key));
     let sheet = parameter_keys(input.runs).into_iter().fold(sheet, |sheet, key| {
         let (mean_of, spread_of) = (key.clone(), key.clone());
         sheet.in_files(|sheet| {

@@ -29,7 +29,7 @@ pub fn with_effects<'s, 'a: 's, R: 's>(
             let runs = runs_of(row);
             let has = |run: &RunRecord| run.fit.as_ref().is_some_and(|fit| fit.parameter(&key).is_some());
             let with = runs.only(has);
-            (!with.at.is_empty()).then(|| with.parameter(&key, 1.0))
+            (!with.at.is_empty()).then(|| with.parameter(&key))
         })
     })
 }

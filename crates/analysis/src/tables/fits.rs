@@ -4,7 +4,7 @@ use super::TableInput;
 use super::extended::{effect_column, shared_notes};
 use super::of_run::{OfRun, Own, of_runs_and_conditions};
 use super::of_several::Runs;
-use crate::parameters::ParameterInfo;
+use ieap_domain::ParameterInfo;
 use ieap_domain::{Estimate, Fit, RunRecord};
 use ieap_show::quantities::Quantity;
 use ieap_show::{Made, Printed, Rough, Sheet, Value};
@@ -85,13 +85,12 @@ pub fn wide<M: Made>(input: &TableInput) -> M {
                 })
         });
     let sheet = parameter_keys(input.runs).into_iter().fold(sheet, |sheet, key| {
-        let info = ParameterInfo::of(&key).map(ParameterInfo::quantity);
+        let info = ParameterInfo::of(&key).map(Quantity::from);
         let effect = effect_column(&key);
         let is_printed = info.is_some() || key.contains('.');
         let number = move |row: &Fitted| {
-            let factor = info.map_or(1.0, |info| info.factor);
             let own = of(row, |fit| fit.parameter(&key))?;
-            Some(Printed(own.clone(), Value::from(row.1.parameter(&key, factor))))
+            Some(Printed(own.clone(), Value::from(row.1.parameter(&key))))
         };
         match info {
             Some(info) => sheet.column(info, number),

@@ -33,9 +33,7 @@ fn of_steps<'a>(name: &'static str, title: &'static str, remark: &str) -> Sheet<
         .column(HUMIDITY, |(run, _): &OfStep| {
             run.measured(keys::RELATIVE_HUMIDITY_PERCENT)
         })
-        .column(VOLTAGE.called("V₀", "voltage of the level"), |(_, own)| {
-            own.voltage_v
-        })
+        .column(VOLTAGE, |(_, own)| own.voltage_v)
         .column(HELD, |(_, own)| Rough(own.held_s, 4))
 }
 

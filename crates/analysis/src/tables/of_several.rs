@@ -9,7 +9,7 @@ use crate::one_fit::SharedEstimate;
 use crate::pooling::{Averaging, Repeat, pooled};
 use ieap_domain::tag::keys;
 use ieap_domain::{Estimate, Fit, RunRecord, RunState};
-use ieap_show::{Combined, Content, Measured, Quantity, Source, SourceOrigin, Value, shown};
+use ieap_show::{Combined, Content, Measured, Source, SourceOrigin, Value, content_of};
 
 /// Remark of tables whose cells are means over the runs of a condition.
 pub fn pooled_remark() -> String {
@@ -127,17 +127,12 @@ impl<'a> Runs<'a> {
         &self.input
     }
 
-    /// What they say of a parameter, `factor` times as it is stored.
-    pub fn parameter(&self, key: &str, factor: f64) -> Combined {
+    /// What they say of a parameter.
+    pub fn parameter(&self, key: &str) -> Combined {
         let of_runs = self
             .records()
             .map(|run| contribution(self.input.doubts, run, key));
-        combined(&of_runs.collect::<Vec<_>>(), key, factor)
-    }
-
-    /// The same in the unit in which it is shown.
-    pub fn shown(&self, of: &Quantity) -> Combined {
-        self.parameter(of.key, of.factor)
+        combined(&of_runs.collect::<Vec<_>>(), key)
     }
 
     /// They as sources of a cell that takes no number from them.
@@ -163,11 +158,11 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// What several runs say, `factor` times as it is stored.
+/// What several runs say.
 ///
 /// Runs with a value are pooled, those that share one count once, and the others are left out, with a footnote. Where none has a value, bounds on the
 /// same side give the bound that holds for every run.
-pub fn combined(parts: &[Contribution], key: &str, factor: f64) -> Combined {
+pub fn combined(parts: &[Contribution], key: &str) -> Combined {
     let mut counted = BTreeSet::new();
     let values: Vec<&Contribution> = parts
         .iter()
@@ -175,13 +170,13 @@ pub fn combined(parts: &[Contribution], key: &str, factor: f64) -> Combined {
         .filter(|part| part.shared.as_ref().is_none_or(|own| counted.insert(own)))
         .collect();
     let content = match values.as_slice() {
-        [] => without_value(parts, factor),
+        [] => without_value(parts),
         [
             Contribution {
                 estimate: Ok(only), ..
             },
-        ] => shown(only, factor),
-        several => mean(several, averaging(key), factor),
+        ] => content_of(only),
+        several => mean(several, averaging(key)),
     };
     Combined {
         content,
@@ -190,7 +185,7 @@ pub fn combined(parts: &[Contribution], key: &str, factor: f64) -> Combined {
     }
 }
 
-fn mean(parts: &[&Contribution], averaging: Averaging, factor: f64) -> Content {
+fn mean(parts: &[&Contribution], averaging: Averaging) -> Content {
     let mut samples: Vec<Option<&str>> = parts.iter().map(|part| part.sample).collect();
     samples.sort_unstable();
     samples.dedup();
@@ -198,8 +193,8 @@ fn mean(parts: &[&Contribution], averaging: Averaging, factor: f64) -> Content {
         let estimate = part.estimate.as_ref().ok()?;
         Some(Repeat {
             sample: samples.iter().position(|sample| *sample == part.sample)?,
-            value: estimate.value? * factor,
-            standard_error: estimate.standard_error.unwrap_or(0.0) * factor,
+            value: estimate.value?,
+            standard_error: estimate.standard_error.unwrap_or(0.0),
         })
     };
     let repeats: Vec<Repeat> = parts.iter().filter_map(repeat).collect();
@@ -230,7 +225,7 @@ fn mean(parts: &[&Contribution], averaging: Averaging, factor: f64) -> Content {
 }
 
 /// The widest bounds of runs that have nothing else, where all are bounded on the same sides.
-fn without_value(parts: &[Contribution], factor: f64) -> Content {
+fn without_value(parts: &[Contribution]) -> Content {
     let estimates: Vec<&Estimate> = parts
         .iter()
         .filter_map(|part| part.estimate.as_deref().ok())
@@ -242,7 +237,6 @@ fn without_value(parts: &[Contribution], factor: f64) -> Content {
         let all: Option<Vec<f64>> = estimates.iter().map(|estimate| get(estimate)).collect();
         all.filter(|all| all.len() == parts.len())
             .and_then(|all| all.into_iter().reduce(widest))
-            .map(|bound| bound * factor)
     };
     let (low, high) = (side(|e| e.low_95, f64::min), side(|e| e.high_95, f64::max));
     match (low, high) {

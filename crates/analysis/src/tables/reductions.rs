@@ -33,7 +33,7 @@ const CHANCE: Quantity = Quantity::plain("p", "p", "chance of such a rise");
 const ELEMENTS: [Quantity; 3] = [
     Quantity::new("ra_ohm_cm2", "Rₐ", "resistor before, figure 7F", "Ω cm²"),
     Quantity::new("rb_ohm_cm2", "R_b", "leak of the capacitor, figure 7F", "Ω cm²"),
-    Quantity::new("c_f_per_cm2", "C", "capacitance, figure 7F", "F cm⁻²"),
+    Quantity::new("one_branch_f_per_cm2", "C", "capacitance, figure 7F", "F cm⁻²"),
 ];
 
 /// Makes the table.

@@ -3,7 +3,7 @@
 use super::TableInput;
 use super::of_condition::{OfCondition, Own, of_conditions};
 use crate::conditions::conditions;
-use crate::parameters::{PARAMETERS, ParameterInfo};
+use ieap_domain::parameters::{PARAMETERS, ParameterInfo};
 use ieap_show::quantities::{Quantity, RUNS, SAMPLES};
 use ieap_show::{Combined, Content, Pooled, Table, Value};
 
@@ -44,7 +44,7 @@ pub fn make(input: &TableInput) -> Table {
     let rows = repeated.flat_map(|own| {
         let of = OfCondition::new(input, &found, own);
         PARAMETERS.iter().map(move |info| {
-            let mean = of.runs.shown(&info.quantity());
+            let mean = of.runs.parameter(info.key);
             (of.clone(), (info, mean))
         })
     });
@@ -54,7 +54,7 @@ pub fn make(input: &TableInput) -> Table {
         .called(|(of, (info, _))| format!("{}, {}", of.label(), info.key))
         .made_from(|(_, (_, mean))| mean.sources.clone())
         .column(PARAMETER, |(_, (info, _))| info.symbol)
-        .column(UNIT, |(_, (info, _))| info.shown_unit)
+        .column(UNIT, |(_, (info, _))| info.unit())
         .column(MEAN, |(_, (_, mean))| mean.clone())
         .column(FROM_FITS, move |row| {
             pooled(row, |mean| rough(mean.fit_standard_error))

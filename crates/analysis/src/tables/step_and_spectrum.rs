@@ -7,8 +7,8 @@ use super::TableInput;
 use super::of_run::Own;
 use super::of_several::contribution;
 use crate::impedance::{Both, OneLikelihood};
-use crate::parameters::ParameterInfo;
 use crate::stiffness::PER_CHARGE;
+use ieap_domain::ParameterInfo;
 use ieap_show::quantities::{Quantity, RUN, SAMPLE, VOLTAGE};
 use ieap_show::{Sheet, Table, Value};
 
@@ -46,7 +46,7 @@ pub fn make(input: &TableInput) -> Table {
     type Of<'a> = Own<'a, Told<'a>>;
     let known = SHOWN.into_iter().filter_map(ParameterInfo::of);
     let runs = input.by_id();
-    let shown: Vec<Quantity> = known.map(ParameterInfo::quantity).collect();
+    let shown: Vec<Quantity> = known.map(Quantity::from).collect();
     Sheet::<Of>::new("step-and-spectrum", "Steps and spectra in one likelihood", 2)
         .remarks(
             REMARK,

@@ -3,8 +3,8 @@
 use super::TableInput;
 use super::of_condition::{OfCondition, Own, of_surroundings};
 use super::of_several::Runs;
-use crate::parameters::ParameterInfo;
 use crate::stiffness::{Change, SampleRow, sample_rows};
+use ieap_domain::ParameterInfo;
 use ieap_show::quantities::{MATERIAL, Quantity, SAMPLE};
 use ieap_show::{Sheet, Table, Value};
 
@@ -14,13 +14,10 @@ const MODULUS: Quantity = Quantity::new(
     "complex modulus at that humidity, from the modulus logs",
     "MPa",
 );
-const STIFFNESS: Quantity = Quantity::new("stiffness_n_m2", "EI", "bending stiffness", "N m²").shown_in(
-    "stiffness_un_m2",
-    "µN m²",
-    1e6,
-);
-const COUPLING: Quantity = Quantity::new("mu_n_m_per_c", "μ", "moment per charge, α E I", "N m C⁻¹")
-    .shown_in("mu_mn_m_per_c", "mN m C⁻¹", 1e3);
+const STIFFNESS: Quantity =
+    Quantity::new("stiffness_n_m2", "EI", "bending stiffness", "N m²").shown_in("µN m²", 1e6);
+const COUPLING: Quantity =
+    Quantity::new("mu_n_m_per_c", "μ", "moment per charge, α E I", "N m C⁻¹").shown_in("mN m C⁻¹", 1e3);
 const HELD: [Quantity; 2] = [
     Quantity::new(
         "mu_blocked_n_m_per_c",
@@ -28,14 +25,14 @@ const HELD: [Quantity; 2] = [
         "moment per charge, from the blocking force",
         "N m C⁻¹",
     )
-    .shown_in("mu_blocked_mn_m_per_c", "mN m C⁻¹", 1e3),
+    .shown_in("mN m C⁻¹", 1e3),
     Quantity::new(
         "moment_n_m_per_v",
         "M/V held",
         "moment per volt once charged, from the blocking force",
         "N m V⁻¹",
     )
-    .shown_in("moment_un_m_per_v", "µN m V⁻¹", 1e6),
+    .shown_in("µN m V⁻¹", 1e6),
 ];
 const RATIOS: [Quantity; 3] = [
     Quantity::plain("alpha_ratio", "α / ref", "alpha over that of the reference"),
@@ -78,7 +75,7 @@ pub fn make(input: &TableInput) -> Table {
     )
     .column(MATERIAL, |(of, _)| of.material())
     .column(SAMPLE, |(_, own)| own.sample.as_str());
-    let alpha = ParameterInfo::of("alpha_per_c_cm").map(ParameterInfo::quantity);
+    let alpha = ParameterInfo::of("alpha_per_c_cm").map(Quantity::from);
     let held: &[Quantity] = if input.blocked.is_empty() { &[] } else { &HELD };
     of_surroundings(start)
         .said([REMARK.to_owned()])

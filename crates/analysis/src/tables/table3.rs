@@ -3,7 +3,7 @@
 use super::TableInput;
 use super::of_several::{Runs, pooled_remark};
 use crate::conditions::material;
-use crate::parameters::ParameterInfo;
+use ieap_domain::ParameterInfo;
 use ieap_domain::tag::keys;
 use ieap_domain::{Campaign, RunRecord, Sample};
 use ieap_show::quantities::{MATERIAL, Quantity, R_SQUARED_CURVATURE, RUNS, SAMPLE};
@@ -41,7 +41,7 @@ pub fn make(input: &TableInput) -> Table {
     let shown: Vec<Quantity> = SHOWN
         .into_iter()
         .filter_map(ParameterInfo::of)
-        .map(shown)
+        .map(in_units_of_the_thesis)
         .collect();
     Sheet::<(&str, Runs)>::new(
         "table3",
@@ -56,7 +56,7 @@ pub fn make(input: &TableInput) -> Table {
         runs.records().next().and_then(|run| material(run, campaign))
     })
     .column(DIMENSIONS, |(id, _)| campaign.sample(id).and_then(dimensions))
-    .columns(&shown, |(_, runs), of| runs.shown(of))
+    .columns(&shown, |(_, runs), of| runs.parameter(of.key))
     .column(R_SQUARED_CURVATURE, |(_, runs)| {
         runs.score(|fit| fit.r_squared_curvature)
     })
@@ -64,13 +64,11 @@ pub fn make(input: &TableInput) -> Table {
     .over(sample_ids(campaign, input.runs).into_iter().filter_map(of_sample))
 }
 
-/// In the thesis's units: resistances of the distributed model are a few Ω cm², also the steady-state one.
-fn shown(of: &ParameterInfo) -> Quantity {
-    let stored = Quantity::new(of.key, of.symbol, of.name, of.unit);
-    match of.key {
-        "c_f_per_cm2" => stored.shown_in("c_mf_per_cm2", "mF cm⁻²", 1e3),
-        _ => stored,
-    }
+/// Resistances of the distributed model are a few Ω cm², also the steady-state one.
+fn in_units_of_the_thesis(of: &ParameterInfo) -> Quantity {
+    let quantity = Quantity::from(of);
+    let display = quantity.display.filter(|_| of.unit() != "Ω cm²");
+    Quantity { display, ..quantity }
 }
 
 /// `45 × 3 × 0.24`

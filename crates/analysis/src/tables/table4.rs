@@ -127,7 +127,7 @@ impl<'a> Alike<'a> {
                 .ok_or_else(|| "the log has no such number".to_owned()),
         };
         let parts: Vec<Contribution> = self.steps.iter().map(part).collect();
-        let all = combined(&parts, of.key, of.factor);
+        let all = combined(&parts, of.key);
         match all.content {
             // A humidity between steps is a mean over many readings, whose last digits nobody wants: sensors are good to a
             // percent or two.

@@ -5,7 +5,7 @@ use super::extended::with_effects;
 use super::of_condition::{OfCondition, of_conditions};
 use super::of_several::pooled_remark;
 use crate::conditions::conditions;
-use crate::parameters::{PARAMETERS, ParameterInfo};
+use ieap_domain::parameters::PARAMETERS;
 use ieap_domain::words::counted;
 use ieap_show::Table;
 use ieap_show::quantities::{Quantity, R_SQUARED_CURRENT, R_SQUARED_CURVATURE, RUNS, SAMPLES};
@@ -18,7 +18,7 @@ const SHOWN: usize = 7;
 /// Makes the table.
 pub fn make(input: &TableInput) -> Table {
     let found = conditions(input.runs, input.campaign);
-    let shown: Vec<Quantity> = PARAMETERS[..SHOWN].iter().map(ParameterInfo::quantity).collect();
+    let shown: Vec<Quantity> = PARAMETERS[..SHOWN].iter().map(Quantity::from).collect();
     let (electrical, mechanical) = shown.split_at(ELECTRICAL);
     let left_out = (!found.unplaced.is_empty()).then(|| {
         format!(
@@ -33,11 +33,11 @@ pub fn make(input: &TableInput) -> Table {
     )
     .said([pooled_remark(), "N: samples, n: runs.".to_owned()])
     .said(left_out)
-    .columns(electrical, |(of, ()), number| of.runs.shown(number))
+    .columns(electrical, |(of, ()), number| of.runs.parameter(number.key))
     .column(R_SQUARED_CURRENT, |(of, ())| {
         of.runs.score(|fit| fit.r_squared_current)
     })
-    .columns(mechanical, |(of, ()), number| of.runs.shown(number))
+    .columns(mechanical, |(of, ()), number| of.runs.parameter(number.key))
     .column(R_SQUARED_CURVATURE, |(of, ())| {
         of.runs.score(|fit| fit.r_squared_curvature)
     });

@@ -7,7 +7,7 @@
 use super::TableInput;
 use super::of_several::Runs;
 use crate::conditions::{Conditions, DRY_UP_TO_PERCENT, Surroundings, conditions, volts};
-use crate::parameters::ParameterInfo;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::fixed;
 use ieap_show::quantities::{ENVIRONMENT, HUMIDITY, MATERIAL, Quantity};
 use ieap_show::{Column, Combined, Content, Sheet, Source, Table, Value};
@@ -242,7 +242,7 @@ impl<'a> Place<'a> {
     /// The 95 % interval of a parameter over the runs of this place.
     fn interval(&self, key: &str) -> Judged {
         let runs = Runs::new(self.input, self.runs());
-        let own = runs.parameter(key, 1.0);
+        let own = runs.parameter(key);
         let interval = match own.content {
             Content::Measured(measured) => Some(Interval {
                 low: measured.low_95.unwrap_or(measured.value).max(0.0),

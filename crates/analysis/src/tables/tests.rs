@@ -6,7 +6,15 @@ use crate::study::Study;
 use ieap_domain::testing::{campaign, fit, known, run};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a quantity in a unit is called is the same in every table that people see.
+/// A unit without its prefix of size: `Ω cm²` of `kΩ cm²`.
+fn bare(unit: &str) -> &str {
+    unit.strip_prefix(['k', 'm', 'µ', 'M'])
+        .filter(|rest| !rest.is_empty())
+        .unwrap_or(unit)
+}
+
+/// What a quantity is called is the same in every table, whatever size of its unit people read; and what a key with a unit
+/// stands for is.
 #[test]
 fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
     let names: BTreeSet<&str> = TABLES.iter().map(|table| table.name).collect();
@@ -19,9 +27,14 @@ fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
         ..TableInput::new(&campaign, &runs, &doubts)
     };
     let mut keys: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
+    let mut meanings: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for table in TABLES {
         for column in table.table(&input).columns {
-            let quantity = (column.quantity, column.unit);
+            if !column.unit.is_empty() && !column.quantity.is_empty() {
+                let quantity = column.quantity.clone();
+                meanings.entry(column.key.clone()).or_default().insert(quantity);
+            }
+            let quantity = (column.quantity, bare(&column.unit).to_owned());
             keys.entry(quantity).or_default().insert(column.key);
         }
         let frame = table.frame(&input);
@@ -35,6 +48,8 @@ fn every_table_has_a_name_of_its_own_and_every_quantity_one_key() {
     }
     keys.retain(|(quantity, _), keys| keys.len() > 1 && !quantity.is_empty());
     assert_eq!(keys, BTreeMap::new(), "quantities with several keys");
+    meanings.retain(|_, quantities| quantities.len() > 1);
+    assert_eq!(meanings, BTreeMap::new(), "keys with several meanings");
 }
 
 #[test]

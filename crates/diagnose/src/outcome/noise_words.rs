@@ -1,6 +1,6 @@
 //! What is taken as noise beside that of single readings, in words: scatter from run to run, and what is slow.
 
-use ieap_domain::finding_words::{listed, most_scattered, printed, short, short_percent};
+use ieap_domain::finding_words::{listed, most_scattered, short, short_percent, symbol};
 use ieap_domain::number::significant;
 use ieap_domain::{DiagnosisNoise, MisfitPercent, ParameterScatter};
 
@@ -12,7 +12,7 @@ pub(crate) fn of_scatter(scatter: &[ParameterScatter], is_noise: bool) -> Option
         format!(
             "by {} % in {} ({} to {} %)",
             short_percent(own.percent),
-            printed(&own.key).0,
+            symbol(&own.key),
             short_percent(own.low_95_percent),
             short_percent(own.high_95_percent)
         )

@@ -3,7 +3,7 @@
 use super::{followed_tag, proof};
 use crate::number::significant;
 use crate::words::in_a_row;
-use crate::{GroupDiagnosis, VaryingParameter, VaryingValue};
+use crate::{GroupDiagnosis, ParameterInfo, VaryingParameter, VaryingValue};
 
 /// Parameters whose courses are told at most; the others are named. Chosen.
 const MOST_COURSES: usize = 2;
@@ -21,7 +21,7 @@ pub(super) fn sentence(found: &GroupDiagnosis) -> String {
     let others: Vec<String> = differing
         .iter()
         .skip(MOST_COURSES)
-        .map(|own| printed(&own.key).0)
+        .map(|own| symbol(&own.key))
         .collect();
     let further = match others.as_slice() {
         [] => String::new(),
@@ -81,7 +81,7 @@ fn fold(parameter: &VaryingParameter) -> f64 {
 /// How a parameter goes: with the voltage where it rises or falls all along it, else how far apart its values are. The values
 /// stand in the table beside it.
 fn course(parameter: &VaryingParameter) -> Option<String> {
-    let (name, ..) = printed(&parameter.key);
+    let name = symbol(&parameter.key);
     let mut values: Vec<&VaryingValue> = parameter.values.iter().collect();
     let volts = |own: &VaryingValue| own.step_v.abs();
     values.sort_by(|a, b| volts(a).total_cmp(&volts(b)));
@@ -121,21 +121,9 @@ pub fn short(value: f64) -> String {
     significant(value, 3)
 }
 
-/// Symbol, factor to the printed unit, and that unit.
-pub fn printed(key: &str) -> (String, f64, &'static str) {
-    match key {
-        "rss_ohm_cm2" => ("R_ss".into(), 1e-3, "kOhm cm2"),
-        "alpha_per_c_cm" => ("alpha".into(), 1.0, "1/(C cm)"),
-        "lambda_per_s" => ("lambda".into(), 1.0, "1/s"),
-        key => {
-            let (symbol, unit) = key.split_once('_').unwrap_or((key, ""));
-            match unit {
-                "ohm_cm2" => (symbol.to_uppercase(), 1e-3, "kOhm cm2"),
-                "f_per_cm2" => (symbol.to_uppercase(), 1e3, "mF/cm2"),
-                _ => (key.to_owned(), 1.0, ""),
-            }
-        }
-    }
+/// Symbol of a parameter; its key where it has none.
+pub fn symbol(key: &str) -> String {
+    ParameterInfo::of(key).map_or(key, |known| known.ascii).to_owned()
 }
 
 /// Things in a row.

@@ -55,6 +55,7 @@ struct CellText {
 impl TableText {
     /// The text of a table; the name of a run leads to its page.
     pub fn of(site: &Site, table: &Table) -> TableText {
+        let table = &table.as_read();
         let (cells, repeated) = (grid(table), repeated(table));
         let is_number = |column: usize| {
             let is_of_runs = table.columns[column].key == RUNS.key;

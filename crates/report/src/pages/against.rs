@@ -15,7 +15,7 @@ use ieap_analysis::against::{Against, Places};
 use ieap_analysis::conditions::compared_material;
 use ieap_analysis::laws::facts::Known;
 use ieap_analysis::parameters::usable;
-use ieap_analysis::{PARAMETERS, ParameterInfo};
+use ieap_domain::parameters::{PARAMETERS, ParameterInfo};
 use ieap_domain::tag::keys;
 
 /// How far beyond the values an interval may stretch an axis, as a factor.
@@ -178,7 +178,11 @@ impl<'a> Drawing<'a> {
         let figure = format!("{against}-{}-{}", self.info.key.replace('_', "-"), panel.at);
         part.drawing(&figure, (material, &note), drawn)?;
         shown.note(&beside.aside);
-        part.beyond(beyond_words(&beside.aside, (Some(&x), &y), self.info.shown_unit));
+        part.beyond(beyond_words(
+            &beside.aside,
+            (Some(&x), &y),
+            self.info.shown_unit(),
+        ));
         Ok(())
     }
 
@@ -200,11 +204,11 @@ impl<'a> Drawing<'a> {
                 left_out += 1;
                 continue;
             };
-            let shown = |number: Option<f64>| number.unwrap_or(value) * self.info.shown_factor;
+            let shown = |number: Option<f64>| number.unwrap_or(value) * self.info.shown_factor();
             marks.push(Mark {
                 x: place.value,
                 x_error: place.standard_error.unwrap_or(0.0),
-                y: value * self.info.shown_factor,
+                y: value * self.info.shown_factor(),
                 bar: (shown(estimate.low_95), shown(estimate.high_95)),
                 style,
                 run: Some(run),
@@ -300,7 +304,7 @@ fn vertical(info: &ParameterInfo, marks: &[Mark]) -> Axis {
         let reached = bars()
             .map(|end| end.clamp(low / STRETCH, high * STRETCH))
             .fold((low, high), ends);
-        return Axis::log(reached.0 / 1.2, reached.1 * 1.2, info.symbol, info.shown_unit);
+        return Axis::log(reached.0 / 1.2, reached.1 * 1.2, info.symbol, info.shown_unit());
     }
     let room = (STRETCH - 1.0) * (high - low).max(0.2 * high.abs().max(low.abs()));
     let (low, high) = bars()
@@ -309,7 +313,7 @@ fn vertical(info: &ParameterInfo, marks: &[Mark]) -> Axis {
     let margin = 0.06 * (high - low);
     let axis = Axis::linear(low - margin, high + margin, info.symbol, "", 5);
     Axis {
-        title: format!("{} ({})", info.symbol, info.shown_unit),
+        title: format!("{} ({})", info.symbol, info.shown_unit()),
         ..axis
     }
 }

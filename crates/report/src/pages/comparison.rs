@@ -13,11 +13,11 @@ use crate::figures::aside::AsideMark;
 use crate::figures::axis::Axis;
 use crate::figures::comparison::{Group, Slot, comparison, small_comparison};
 use crate::site::Site;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::Conditions;
 use ieap_analysis::laws::words;
 use ieap_analysis::parameters::{COMPARED, usable};
 use ieap_domain::Estimate;
+use ieap_domain::ParameterInfo;
 use ieap_show::Block;
 
 /// How far beyond the largest (or below the smallest positive) value an interval may stretch an axis.
@@ -78,7 +78,7 @@ fn of_parameter(
         part.beyond(beyond_words(
             aside_of(groups),
             (None, &axis),
-            parameter.shown_unit,
+            parameter.shown_unit(),
         ));
     }
     Ok(())
@@ -211,7 +211,7 @@ fn estimates(site: &Site, runs: &[usize], parameter: &ParameterInfo) -> (Vec<usi
     let shown = |number: Option<f64>| {
         number
             .filter(finite)
-            .map(|number| number * parameter.shown_factor)
+            .map(|number| number * parameter.shown_factor())
     };
     let of = |&run: &usize| {
         let record = &site.input.runs[run];
@@ -247,7 +247,7 @@ pub fn axis<'a>(parameter: &ParameterInfo, groups: impl Iterator<Item = &'a Grou
         .iter()
         .flat_map(|estimate| [estimate.low_95, estimate.high_95])
         .flatten();
-    let unit = parameter.shown_unit;
+    let unit = parameter.shown_unit();
     if parameter.spans_decades {
         let positive = || values.iter().copied().filter(|value| *value > 0.0);
         let (low, high) = (

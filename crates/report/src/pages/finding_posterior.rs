@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::input::Findings;
 use crate::pages::policy::{LEAST_PROBABILITY, MOST_EXPLANATIONS};
-use ieap_analysis::ParameterInfo;
+use ieap_domain::ParameterInfo;
 use ieap_domain::finding_words::explanation;
 use ieap_domain::number::probabilities::share;
 use ieap_domain::{GroupDiagnosis, Hypothesis, HypothesisKind};

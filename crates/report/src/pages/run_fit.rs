@@ -6,10 +6,11 @@ use super::estimates::{self, Number};
 use super::run_evidence::Fact;
 use super::wording::in_unit;
 use crate::pages::policy::{CORRELATED_FROM, SYSTEMATIC_FROM, WITHIN_NOISE};
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::cycles::CycleRun;
 use ieap_analysis::laws::doubt::Doubts;
 use ieap_analysis::model_free::{ENERGIES, FIGURES, ModelFree};
+use ieap_analysis::parameters::shown_in;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::{score, significant};
 use ieap_domain::{ChannelNoise, Estimate, Fit, Parameter, Quantity, RunRecord};
 use ieap_show::Block;
@@ -108,7 +109,7 @@ pub fn symbol_of(key: &str) -> String {
 pub fn parameters(doubts: &Doubts, run: &str, fit: &Fit) -> Vec<Number> {
     let number = |parameter: &Parameter| {
         let known = ParameterInfo::of(&parameter.key);
-        let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
+        let (unit, factor) = known.map_or(("", 1.0), |known| shown_in(known, fit));
         let stated = doubts.stated(run, &parameter.key, &parameter.estimate);
         Number {
             symbol: symbol_of(&parameter.key),

@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::run_fit::{residual_over_noise, symbol_of};
 use super::wording::{EstimateText, voltage_label};
 use crate::site::Site;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
+use ieap_analysis::parameters::shown_in;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::{score, significant};
 use ieap_domain::tag::keys;
 use ieap_domain::{Quantity, RunRecord};
@@ -144,7 +145,7 @@ pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> 
     for fit in runs.iter().filter_map(|&run| site.input.record(run).fit.as_ref()) {
         for parameter in &fit.parameters {
             let known = ParameterInfo::of(&parameter.key);
-            let (unit, factor) = known.map_or(("", 1.0), |known| known.shown_in(fit));
+            let (unit, factor) = known.map_or(("", 1.0), |known| shown_in(known, fit));
             if !columns
                 .iter()
                 .any(|column| (column.0, column.1) == (parameter.key.as_str(), unit))
@@ -159,7 +160,7 @@ pub fn parameters_table(site: &Site, runs: &[usize]) -> Option<ParametersTable> 
     let cell = |run: &RunRecord, &(key, unit, factor): &(&str, &'static str, f64)| {
         let here = run.fit.as_ref().filter(|fit| {
             let known = ParameterInfo::of(key);
-            known.map_or("", |known| known.shown_in(fit).0) == unit
+            known.map_or("", |known| shown_in(known, fit).0) == unit
         });
         let estimate = here.and_then(|fit| Some((fit.parameter(key)?, fit.converged)));
         let Some((estimate, converged)) = estimate else {

@@ -9,10 +9,10 @@ use crate::moved::{Numbers, Said};
 use crate::pages::policy::MOST_RUNS_LISTED;
 use crate::site::Site;
 use crate::sparkline::Sparks;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::conditions::nominal_voltage_v;
 use ieap_analysis::parameters::COMPARED;
 use ieap_analysis::zone::order_s;
+use ieap_domain::ParameterInfo;
 use ieap_domain::RunRecord;
 use ieap_domain::number::significant;
 use ieap_domain::tag::keys;
@@ -129,7 +129,7 @@ pub fn runs_table(site: &Site) -> RunsTable {
     let columns = parameters.iter().map(|info| Column {
         symbol: info.symbol,
         name: info.name,
-        unit: info.shown_unit,
+        unit: info.shown_unit(),
     });
     let are_dated = are_dated(site);
     let rows: Vec<Row> = listed(site)

@@ -5,7 +5,8 @@ pub use ieap_analysis::readable::readable;
 use serde::Serialize;
 
 use crate::site::Site;
-use ieap_analysis::{ParameterInfo, Surroundings};
+use ieap_analysis::Surroundings;
+use ieap_domain::ParameterInfo;
 use ieap_domain::number::{
     fixed, interval, lower_bound, measured, measured_stacked, plain, rounded_bound, significant, upper_bound,
     with_unit,
@@ -158,7 +159,7 @@ impl EstimateText {
 /// Symbol, unit and factor under which a parameter is shown.
 pub fn shown_as(key: &str) -> (&str, &'static str, f64) {
     ParameterInfo::of(key).map_or((key, "", 1.0), |known| {
-        (known.symbol, known.shown_unit, known.shown_factor)
+        (known.symbol, known.shown_unit(), known.shown_factor())
     })
 }
 
@@ -167,7 +168,7 @@ pub fn estimate_of(site: &Site, run: &RunRecord, parameter: &ParameterInfo) -> E
     match run.fit.as_ref().map(|fit| fit.parameter(parameter.key)) {
         Some(Some(estimate)) => {
             let stated = site.input.doubts.stated(&run.path, parameter.key, estimate);
-            let text = EstimateText::of(&stated, parameter.shown_factor);
+            let text = EstimateText::of(&stated, parameter.shown_factor());
             if run.fit.as_ref().is_some_and(|fit| fit.converged) {
                 text
             } else {

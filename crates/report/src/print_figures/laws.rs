@@ -3,10 +3,10 @@
 use super::FigureInput;
 use crate::blocks::chart;
 use crate::figures::canvas::Drawing;
-use ieap_analysis::ParameterInfo;
 use ieap_analysis::monitoring::view::printed;
-use ieap_analysis::parameters::begins_key;
 use ieap_analysis::study::view::law_charts;
+use ieap_domain::ParameterInfo;
+use ieap_domain::parameters::begins_key;
 use ieap_show::Chart;
 
 /// Panels drawn where no parameter is asked for.

@@ -8,7 +8,7 @@ use crate::aside::beyond_words;
 use crate::figures::canvas::Drawing;
 use crate::figures::comparison::comparison_on;
 use crate::pages::comparison::{aside_of, axis, groups};
-use ieap_analysis::ParameterInfo;
+use ieap_domain::ParameterInfo;
 
 /// What the thesis's figure shows, from top to bottom.
 const SHOWN: [&str; 5] = [
@@ -40,7 +40,7 @@ pub fn draw(input: &FigureInput, width: u32) -> Result<Drawing, String> {
             }
             let y = axis(parameter, groups.iter());
             aside.extend(aside_of(&groups).map(|mark| mark.run));
-            let beyond = beyond_words(aside_of(&groups), (None, &y), parameter.shown_unit);
+            let beyond = beyond_words(aside_of(&groups), (None, &y), parameter.shown_unit());
             if !beyond.is_empty() {
                 notes.push(format!("{}, {name}: {beyond}", parameter.symbol));
             }

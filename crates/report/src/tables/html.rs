@@ -12,6 +12,7 @@ thead{border-bottom:1px solid}th,td{padding:.15rem .6rem;text-align:left;font-we
 
 /// Writes the table.
 pub fn write(table: &Table) -> String {
+    let table = &table.as_read();
     let cells = grid(table);
     let repeated = repeated(table);
     let class = |column: usize| {

@@ -39,6 +39,7 @@ const LETTERS_OF_LINE: usize = 190;
 
 /// Writes the table.
 pub fn write(table: &Table) -> String {
+    let table = &table.as_read();
     let cells = grid(table);
     let layout: Vec<&str> = (0..table.columns.len())
         .map(|column| layout(&cells, column))

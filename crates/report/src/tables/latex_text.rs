@@ -37,12 +37,13 @@ const RAISED: [(char, &str); 13] = [
     ('ⁿ', "n"),
 ];
 /// Characters that stand in mathematics only.
-const MATHEMATICS: [(char, &str); 28] = [
+const MATHEMATICS: [(char, &str); 29] = [
     ('α', "\\alpha"),
     ('β', "\\beta"),
     ('γ', "\\gamma"),
     ('δ', "\\delta"),
     ('ε', "\\varepsilon"),
+    ('η', "\\eta"),
     ('κ', "\\kappa"),
     ('λ', "\\lambda"),
     ('μ', "\\mu"),
@@ -174,6 +175,14 @@ pub fn unit(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_parameter_and_its_unit_can_be_set() {
+        for info in ieap_domain::ParameterInfo::all() {
+            let set = symbol(info.symbol) + &unit(info.shown_unit());
+            assert!(set.is_ascii() && !set.contains("U+"), "{}: {set}", info.key);
+        }
+    }
 
     #[test]
     fn symbols_and_units() {

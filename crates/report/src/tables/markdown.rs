@@ -6,6 +6,7 @@ use ieap_analysis::tables::Table;
 
 /// Writes the table.
 pub fn write(table: &Table) -> String {
+    let table = &table.as_read();
     let cells = grid(table);
     let mut out = format!("**{}**\n\n|", escaped(&caption(table)));
     for column in &table.columns {

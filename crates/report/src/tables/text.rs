@@ -19,6 +19,7 @@ pub fn write(table: &Table) -> String {
 /// Writes the table into lines of at most `width` characters: columns that have no room beside the others stand in blocks
 /// below, each led by the columns that say what a row is about. A column that is wider by itself stays whole.
 pub fn write_within(table: &Table, width: usize) -> String {
+    let table = &table.as_read();
     let grid = Grid::of(table);
     let mut out = format!("{}\n\n", one_line(&caption(table)));
     for (at, columns) in grid.blocks(table.stub, width).iter().enumerate() {

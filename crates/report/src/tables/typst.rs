@@ -23,6 +23,7 @@ const HEAD: &str = "#show figure.where(kind: table): set figure.caption(position
 
 /// Writes the table.
 pub fn write(table: &Table) -> String {
+    let table = &table.as_read();
     let cells = grid(table);
     let repeated = repeated(table);
     let is_number = |column: usize| cells.iter().all(|row| row[column].is_number());
