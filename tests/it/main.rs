@@ -76,6 +76,7 @@ mod output;
 mod own_climate;
 mod own_files;
 mod own_templates;
+mod packages;
 mod pairs;
 mod plan;
 mod prints;
