@@ -1,4 +1,5 @@
-//! What `cargo package` packs builds in an empty folder: no file of a package puts one of another folder into the program.
+//! What `cargo package` packs builds in an empty folder: no file of a package puts one of another folder into the program. And a
+//! program says what it is built from.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -52,4 +53,21 @@ fn no_package_embeds_a_file_of_another_folder() {
         }
     }
     assert!(embedded > 30, "{embedded} embedded files were seen");
+}
+
+#[test]
+fn the_program_says_which_commit_it_is_built_from() {
+    let said = |option: &str| {
+        let ended = std::process::Command::new(env!("CARGO_BIN_EXE_ieap"))
+            .arg(option)
+            .output()
+            .unwrap();
+        String::from_utf8(ended.stdout).unwrap()
+    };
+    assert_eq!(said("-V").lines().count(), 1);
+    let long = said("--version");
+    let commit = long.trim_end().rsplit_once("\nbuilt from ").unwrap().1;
+    let commit = commit.strip_suffix("+modified").unwrap_or(commit);
+    let is_hash = commit.len() == 12 && commit.chars().all(|digit| digit.is_ascii_hexdigit());
+    assert!(is_hash || commit == "unknown", "{long}");
 }
