@@ -30,6 +30,7 @@ FIT_COLUMNS: dict[str, tuple[str, str]] = {
     "model": ("string", "id of the model"),
     "model_version": ("bigint", "version of the model's equations and identification"),
     "code_version": ("string", "version of ieap"),
+    "built_from": ("string", "commit that it was built from"),
     "data_hash": ("string", "hash of the readings"),
     "input_hash": ("string", "hash of everything that the fit depends on"),
     "converged": ("boolean", "whether the search converged"),

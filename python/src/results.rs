@@ -50,6 +50,7 @@ pub fn fits(rows: &[Fitted]) -> Result<RecordBatch, ArrowError> {
             "code_version",
             named(|fit| fit.code_version, |result| &result.code_version),
         ),
+        ("built_from", named(|fit| fit.built_from, |result| &result.built_from)),
         (
             "data_hash",
             named(|fit| &fit.data_hash, |result| &result.data_hash),

@@ -113,8 +113,8 @@ fn print_evidence(evidence: &Evidence, output: &Output) {
     if let Some(result) = &evidence.result {
         let id = result.id.map_or(String::new(), |id| format!(" {id}"));
         output.result(&format!(
-            "  result{id}: {}, made by ieap {} at {}",
-            result.model, result.code_version, result.made_at
+            "  result{id}: {}, made by ieap {} ({}) at {}",
+            result.model, result.code_version, result.built_from, result.made_at
         ));
         output.result(&format!("    inputs {}", result.input_hash));
     }

@@ -77,13 +77,20 @@ pub use schema::{Schema, schema_named};
 
 /// From the instrument files of ionic actuator strips to fitted parameters, causes and a report.
 #[derive(Debug, Parser)]
-#[command(name = "ieap", version, max_term_width = 100)]
+#[command(name = "ieap", version, long_version = LONG_VERSION, max_term_width = 100)]
 struct Cli {
     #[command(flatten)]
     global: Global,
     #[command(subcommand)]
     verb: Verb,
 }
+
+/// The version, and which build of it.
+const LONG_VERSION: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\nbuilt from ",
+    env!("IEAP_BUILT_FROM")
+);
 
 /// The verbs from one table: the command line, an example of each on the campaign of the thesis, and what runs it. A group is
 /// in the help of the program or not; a step of `run` is in no list.

@@ -21,7 +21,7 @@ pub use crate::analysis::models_compared::{ComparedCondition, ComparedModel};
 pub use crate::diagnose::Draws;
 pub use crate::numerics::global::methods;
 pub use crate::numerics::interrupt::Interrupt;
-pub use campaign::context::{CODE_VERSION, Context};
+pub use campaign::context::{BUILT_FROM, CODE_VERSION, Context};
 pub(crate) use campaign::derived::left_words;
 pub use campaign::places::REPORT_FOLDER;
 pub use findings::adopt::{Adopt, AdoptSummary};

@@ -15,12 +15,12 @@ const MAY_USE: [(&str, &[&str]); 13] = [
     ("truth", &["domain", "numerics"]),
     ("fit", &["domain", "numerics", "model"]),
     ("diagnose", &["domain", "numerics", "model", "fit"]),
-    ("store", &["domain", "system"]),
+    ("store", &["domain", "migrations", "system"]),
     ("strip", &["domain", "numerics"]),
     ("ingest", &["domain", "numerics", "strip", "system"]),
     ("show", &["domain"]),
     ("analysis", &["domain", "numerics", "show"]),
-    ("report", &["domain", "show", "analysis", "system"]),
+    ("report", &["domain", "show", "analysis", "system", "templates"]),
 ];
 
 pub fn rust_files(folder: &Path) -> Vec<PathBuf> {

@@ -82,6 +82,7 @@ fn table(rows: &[Value]) -> Vec<u8> {
         "data_hash",
         "input_hash",
         "code_version",
+        "built_from",
         "asked",
         "fit",
         "issue",

@@ -78,6 +78,7 @@ mod own_climate;
 mod own_files;
 mod own_templates;
 mod page_outline;
+mod packages;
 mod pairs;
 mod plan;
 mod prints;

@@ -5,8 +5,8 @@ use ieap::analysis::laws::doubt::Doubts;
 use ieap::analysis::study::{Evidence, Study};
 use ieap::domain::tag::keys;
 use ieap::domain::{
-    Campaign, ChannelNoise, ChannelSummary, CurveSource, Estimate, FileState, Fit, Issue, Quantity, RunCurve,
-    RunFile, RunRecord, RunState, SourceFile, Tag, TagSource, testing,
+    Campaign, ChannelNoise, ChannelSummary, CurveSource, Estimate, FileState, Fit, Issue, MadeBy, Quantity,
+    RunCurve, RunFile, RunRecord, RunState, SourceFile, Tag, TagSource, testing,
 };
 use ieap::numerics::complex::Complex;
 use ieap::report::{Findings, Input, Origin};
@@ -121,7 +121,7 @@ pub fn run(index: usize, material: &str, surroundings: usize, voltage_v: f64, re
         ],
         data_hash: "5f".repeat(32),
         fit: Some(fit(truth, index as u64, material == "CNaf")),
-        fit_code_version: Some("ieap 0.1.0".to_owned()),
+        fit_made_by: Some(MadeBy::new("ieap 0.1.0", "unknown")),
         ..testing::run("", "", environment, humidity, voltage_v)
     }
 }

@@ -25,6 +25,7 @@ pub mod input_hash;
 pub mod issue;
 pub mod known_parameter;
 pub mod left_out;
+pub mod made_by;
 pub mod missing_law;
 pub mod model_comparison;
 pub mod modulus;
@@ -88,6 +89,7 @@ pub use impedance::{
 pub use input_hash::InputHash;
 pub use issue::{Issue, Severity};
 pub use known_parameter::{Knowledge, KnownParameter, key_named};
+pub use made_by::MadeBy;
 pub use missing_law::{Account, HeldOutError, LawCurve, MissingLaw};
 pub use model_comparison::{ComparedCurve, ModelScore, ResponseScore, RunComparison};
 pub use modulus::{ModulusAnalysis, ModulusLog, ModulusStep};

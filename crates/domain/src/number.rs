@@ -339,9 +339,17 @@ fn rounded_at(value: f64, place: i32) -> String {
     in_places(scaled(value, -place).round(), place)
 }
 
+/// Below it a whole number is one in 64 bits too.
+const LARGEST_WHOLE: f64 = u64::MAX as f64;
+
 /// A whole number of units of 10^place, as digits: 95 units of 10^-2 are `0.95`, of 10^1 `950`.
 fn in_places(units: f64, place: i32) -> String {
-    let digits = format!("{:.0}", units.abs());
+    // A whole number as one: as a number with a fraction of nothing it is written digit by digit, at ten times the cost.
+    let digits = if units.abs() < LARGEST_WHOLE {
+        (units.abs() as u64).to_string()
+    } else {
+        format!("{:.0}", units.abs())
+    };
     let sign = if units < 0.0 { "-" } else { "" };
     let decimals = place.min(0).unsigned_abs() as usize;
     if decimals == 0 {

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::tag::keys;
 use super::{
-    ChannelSummary, ClimateQuantity, Drive, Fit, Issue, Quantity, RunClimate, RunOrigin, Standing, Tag,
+    ChannelSummary, ClimateQuantity, Drive, Fit, Issue, MadeBy, Quantity, RunClimate, RunOrigin, Standing,
+    Tag,
 };
 
 string_enum! {
@@ -137,8 +138,8 @@ pub struct RunRecord {
     pub climate: Vec<RunClimate>,
     /// The current fit.
     pub fit: Option<Fit>,
-    /// Version of the program that made the fit, and when (RFC 3339 UTC).
-    pub fit_code_version: Option<String>,
+    /// The program that made the fit.
+    pub fit_made_by: Option<MadeBy>,
     /// Whether it takes part in results.
     pub standing: Standing,
 }

@@ -107,7 +107,7 @@ pub fn run(name: &str, sample: &str, environment: &str, humidity: Option<f64>, v
         issues: vec![],
         fit: None,
         climate: vec![],
-        fit_code_version: None,
+        fit_made_by: None,
         standing: Default::default(),
     }
 }

@@ -20,8 +20,6 @@ use ieap_system::fs;
 pub(super) const RUNS: &str = "run.html";
 /// The page that leads to all others.
 pub(super) const INDEX: &str = "index.html";
-/// What all pages have around them.
-pub(super) const LAYOUT: &str = include_str!("../../../templates/layout.html");
 
 /// Where a page lies and what it is about.
 pub(super) struct Place {

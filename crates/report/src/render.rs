@@ -9,15 +9,14 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use tera::{Kwargs, State, Tera};
 
-use super::blocks;
 use super::drawn_runs::{self, batches};
 use super::error::ReportError;
 use super::fault::{guarded, reason_of};
 use super::input::Input;
 use super::kept::{self, Earlier};
 use super::moved;
-use super::page_writer::{INDEX, LAYOUT, PageWriter, template_error, write};
-use super::pages::{FINDING_TEMPLATE, PAGES, Page, RUN_TEMPLATE, listed, numbers, residuals, shown};
+use super::page_writer::{INDEX, PageWriter, template_error, write};
+use super::pages::{PAGES, Page, listed, numbers, residuals, shown};
 use super::readings_file;
 use super::run_index::run_index;
 use super::run_page_writer::make;
@@ -99,8 +98,8 @@ pub fn render_site(
         }
     }
     let total = pages.len() + groups + site.run_pages.len() + strips.len();
-    let mut bytes = write(&out_dir.join("style.css"), STYLE)?;
-    bytes += write(&out_dir.join("site.js"), SCRIPT)?;
+    let mut bytes = write(&out_dir.join("style.css"), ieap_templates::STYLE)?;
+    bytes += write(&out_dir.join("site.js"), ieap_templates::SCRIPT)?;
     bytes += write(&out_dir.join(moved::FILE), &site.numbers.text()?)?;
     for (file, text) in run_index(&site) {
         bytes += write(&out_dir.join(file), &text)?;
@@ -192,17 +191,12 @@ pub fn render_site(
 /// Pages that show what was drawn of runs, or what could not be made.
 const MADE_LAST: [&str; 2] = [residuals::FILE, INDEX];
 
-const STYLE: &str = include_str!("../../../templates/style.css");
-const SCRIPT: &str = include_str!("../../../templates/site.js");
-const ASIDE: &str = include_str!("../../../templates/aside.html");
-const FAULT: &str = include_str!("../../../templates/fault.html");
-
 /// Why a template of a campaign's own cannot take the place of ours; none where it can.
 pub fn refused_template(name: &str, text: &str) -> Option<String> {
     let ours = || {
         [PAGE_NAME]
             .into_iter()
-            .chain(blocks::TEMPLATES.map(|(name, _)| name))
+            .chain(ieap_templates::BLOCKS.map(|(name, _)| name))
     };
     if !ours().any(|own| own == name) {
         let names: Vec<&str> = ours().collect();
@@ -236,22 +230,22 @@ fn templates(pages: &[&Page], own: &BTreeMap<String, String>) -> Result<Tera, Re
     tera.register_filter("indexed", |text: &str, _: Kwargs, _: &State| indexed(text));
     tera.register_filter("held", |text: &str, _: Kwargs, _: &State| held(text));
     let or_own = |name: &str, ours: &'static str| own.get(name).cloned().unwrap_or_else(|| ours.to_owned());
-    let of_blocks = or_own(PAGE_NAME, blocks::PAGE);
+    let of_blocks = or_own(PAGE_NAME, ieap_templates::PAGE);
     let pages = pages.iter().map(|page| match page.template {
-        blocks::PAGE => (page.file, of_blocks.clone()),
+        ieap_templates::PAGE => (page.file, of_blocks.clone()),
         ours => (page.file, ours.to_owned()),
     });
     let all = [
-        ("layout.html", LAYOUT),
-        ("aside.html", ASIDE),
-        ("fault.html", FAULT),
-        ("run.html", RUN_TEMPLATE),
-        ("finding.html", FINDING_TEMPLATE),
+        ("layout.html", ieap_templates::LAYOUT),
+        ("aside.html", ieap_templates::ASIDE),
+        ("fault.html", ieap_templates::FAULT),
+        ("run.html", ieap_templates::RUN),
+        ("finding.html", ieap_templates::FINDING),
         ("strip.html", of_blocks.as_str()),
     ]
     .map(|(name, text)| (name, text.to_owned()))
     .into_iter()
-    .chain(blocks::TEMPLATES.map(|(name, ours)| (name, or_own(name, ours))))
+    .chain(ieap_templates::BLOCKS.map(|(name, ours)| (name, or_own(name, ours))))
     .chain(pages);
     tera.add_raw_templates(all)
         .map_err(|source| template_error("templates", source))?;

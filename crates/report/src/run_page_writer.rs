@@ -6,12 +6,11 @@ use std::path::PathBuf;
 
 use rayon::prelude::*;
 
-use super::blocks;
 use super::drawn_runs::{drawn_from, to_draw};
 use super::error::ReportError;
 use super::fault::guarded;
-use super::page_writer::{LAYOUT, PageWriter, Place, RUNS, write};
-use super::pages::{DrawnRun, Outline, RUN_TEMPLATE, drawn_content};
+use super::page_writer::{PageWriter, Place, RUNS, write};
+use super::pages::{DrawnRun, Outline, drawn_content};
 use super::readings_file;
 use super::sparkline::Sparks;
 use ieap_analysis::cache::Hash;
@@ -109,7 +108,11 @@ impl<'a> PageWriter<'a> {
     /// A hash over everything that the files of a page follow from. The program is in the frame, with its version.
     fn hash_of(&self, place: &Place, outline: &Outline, from: &[String]) -> String {
         let own = &self.site.input.templates;
-        let templates = ([LAYOUT, RUN_TEMPLATE], blocks::TEMPLATES, own);
+        let templates = (
+            [ieap_templates::LAYOUT, ieap_templates::RUN],
+            ieap_templates::BLOCKS,
+            own,
+        );
         let frame = self.frame(place);
         let hash = Hash::default().with(&templates).with(&place.file).with(&frame);
         hash.with(outline).with(&from).text()

@@ -1,11 +1,12 @@
 //! Fits: what is to be fitted, what came out, what could not be done.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::journal::{Entry, Line, read_line};
 use super::new_run::RunRow;
 use super::results::{self, NewResult, ResultDocument, ResultKind, StoredResult, Subject};
-use super::rows::{JOURNAL_LINE, RUN, check};
+use super::rows::{JOURNAL_LINE, RowHash, check};
 use super::{StepError, Store, StoreError, Transaction};
 use ieap_domain::tag::keys;
 use ieap_domain::{
@@ -45,6 +46,15 @@ pub struct FitTask {
 
 /// How a fit was asked for by hand: the run's row id, and what was asked for.
 pub type AskedOf<'a> = (i64, &'a AskedFit);
+
+/// What tells whether anything changed of a run, its readings and its fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StateOfRun {
+    /// Hash of its row, which states those of its readings and of what is drawn beside them.
+    pub run: RowHash,
+    /// The same of the row of its fit; none where it has none.
+    pub fit: Option<RowHash>,
+}
 
 impl ResultDocument for Fit {
     const DRAWN: &'static [&'static str] = &["curves", "along"];
@@ -111,29 +121,29 @@ impl Store {
         Ok(self.drawn(ResultKind::Fit, run)?.unwrap_or_default())
     }
 
-    /// What tells whether anything changed that curves of a run are drawn from.
+    /// What tells whether anything changed of each current run, by row id: the hashes of its row and of that of its fit.
     ///
     /// # Errors
     /// See [`StoreError`].
-    pub fn state_of_curves(&self, run_id: i64) -> Result<String, StoreError> {
-        let run = self.run_of(run_id)?;
-        let fit = self
-            .state_of_result(ResultKind::Fit, &run.path)?
-            .unwrap_or_default();
-        let climate = run.tagging.climate_curves_hash.unwrap_or_default();
-        Ok(format!("{} {climate} {fit}", run.data_hash))
-    }
-
-    /// What tells whether anything changed of a run and its readings.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn state_of_run(&self, run_id: i64) -> Result<String, StoreError> {
-        let rest = ("", "WHERE id = ?1");
-        let read = |row: &rusqlite::Row<'_>| Ok(row.get::<_, Vec<u8>>("row_hash")?);
-        let found = self.kept("reading a run", RUN, rest, [run_id], read)?;
-        let hex = |hash: &Vec<u8>| hash.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(found.first().map_or_else(String::new, hex))
+    pub fn states_of_runs(&self) -> Result<Arc<BTreeMap<i64, StateOfRun>>, StoreError> {
+        self.whole("states of runs", |store| {
+            let fits = store.fits()?;
+            let of_fits: BTreeMap<&str, RowHash> = (fits.iter())
+                .map(|fit| (fit.origin.name.as_str(), fit.origin.row_hash))
+                .collect();
+            let runs = store.all_current_rows()?.into_iter();
+            let state = |run: Arc<RunRow>| {
+                let fit = of_fits.get(run.path.as_str()).copied();
+                (
+                    run.id,
+                    StateOfRun {
+                        run: run.row_hash,
+                        fit,
+                    },
+                )
+            };
+            Ok(runs.map(state).collect())
+        })
     }
 
     /// What tells whether any current fit changed.
@@ -145,7 +155,7 @@ impl Store {
     }
 
     /// Every current fit, by run.
-    pub(super) fn fits(&self) -> Result<std::sync::Arc<Vec<StoredResult<Fit>>>, StoreError> {
+    pub(super) fn fits(&self) -> Result<Arc<Vec<StoredResult<Fit>>>, StoreError> {
         self.all_results("fits", ResultKind::Fit)
     }
 
@@ -204,7 +214,7 @@ pub(super) fn fill_in_fit(record: &mut RunRecord, stored: Option<StoredResult<Fi
             origin,
         }) => {
             record.fit = Some(fit);
-            record.fit_code_version = Some(origin.version);
+            record.fit_made_by = Some(origin.made_by);
         }
         Some(StoredResult {
             found: Err(issue), ..
@@ -233,7 +243,8 @@ impl CurveSource for Store {
     }
 
     fn drawn_from(&self, run_id: i64) -> Result<Option<String>, String> {
-        self.state_of_curves(run_id).map(Some).map_err(|e| e.to_string())
+        let states = self.states_of_runs().map_err(|e| e.to_string())?;
+        Ok(states.get(&run_id).map(|state| format!("{state:?}")))
     }
 }
 

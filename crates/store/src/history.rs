@@ -42,9 +42,9 @@ impl Store {
         }
         for run in &mut runs {
             let found = self.result_then::<Fit>(ResultKind::Fit, &run.path, earlier.when())?;
-            let found = found.and_then(|stored| Some((stored.found.ok()?, stored.origin.version)));
+            let found = found.and_then(|stored| Some((stored.found.ok()?, stored.origin.made_by)));
             if found.is_some() || earlier.is_whole() {
-                (run.fit, run.fit_code_version) = found.unzip();
+                (run.fit, run.fit_made_by) = found.unzip();
             }
         }
         Ok(runs)
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::testing::new_run;
     use crate::{NewResult, Subject};
-    use ieap_domain::{RunKind, testing};
+    use ieap_domain::{MadeBy, RunKind, testing};
 
     /// Hours of one day, RFC 3339 UTC.
     fn at(hour: u32) -> String {
@@ -117,7 +117,7 @@ mod tests {
             of: Subject::Run(run_id),
             made_from: &[run_id],
             key: &evaluations.to_string(),
-            version: &format!("version {evaluations}"),
+            made_by: &MadeBy::new(format!("version {evaluations}"), ""),
             found: Ok(&fit),
         };
         assert_eq!(store.save_fits(&at(hour), &[result], &[]).unwrap(), [true]);
@@ -143,7 +143,7 @@ mod tests {
             (
                 run.revision,
                 run.fit.map(|fit| fit.evaluations),
-                run.fit_code_version,
+                run.fit_made_by.map(|by| by.version.into_owned()),
             )
         })
         .collect()
@@ -195,7 +195,7 @@ mod tests {
                 of: Subject::Run(run_id),
                 made_from: &[],
                 key: &hour.to_string(),
-                version: "",
+                made_by: &MadeBy::default(),
                 found: Ok(&analysis),
             };
             store

@@ -61,7 +61,7 @@ pub use diagnoses::{Diagnosed, StoredDiagnosis};
 use error::StepError;
 pub use error::StoreError;
 pub use files::FileRow;
-pub use fits::{AskedOf, FitCurves, FitTask};
+pub use fits::{AskedOf, FitCurves, FitTask, StateOfRun};
 pub use hand_tag::HandTag;
 pub use history::Earlier;
 pub use in_place::{Found, found, free_mark, put_in_place, set_aside};

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-const MEANINGS: &str = include_str!("../../../migrations/meanings.txt");
-
 /// Its entries: a column, or a table and its column, with the meaning.
 pub fn meanings() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let lines = MEANINGS.lines().filter(|line| !line.starts_with('#'));
+    let lines = ieap_migrations::MEANINGS
+        .lines()
+        .filter(|line| !line.starts_with('#'));
     lines.filter_map(|line| line.split_once(": "))
 }
 

@@ -2,19 +2,13 @@
 
 use std::path::Path;
 
+use ieap_migrations::{NEWEST, SCHEMA};
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::StoreError;
 use super::error::{StepError, named};
 use super::place::has_no_tables;
 use super::rows::hash_all;
-
-/// The schema, whose number is the schema version. Not even a comment inside a statement may change under a number: SQLite keeps
-/// it with the table, and [`super::schema`] compares it.
-pub(super) const SCHEMA: &str = include_str!("../../../migrations/0021_base.sql");
-
-/// Schema version that this program writes.
-pub(super) const NEWEST: i64 = 21;
 
 /// Version of the schema in the database; 0 where it is empty.
 pub(super) fn version(connection: &Connection) -> rusqlite::Result<i64> {
@@ -86,15 +80,6 @@ mod tests {
         let mut connection = Connection::open_in_memory().unwrap();
         make(&mut connection, Path::new("memory")).unwrap();
         connection
-    }
-
-    #[test]
-    fn the_number_of_the_file_is_the_schema_version() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../migrations");
-        let files = std::fs::read_dir(folder).unwrap();
-        let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
-        let names: Vec<_> = names.filter(|name| name.ends_with(".sql")).collect();
-        assert_eq!(names, [format!("{NEWEST:04}_base.sql")]);
     }
 
     #[test]

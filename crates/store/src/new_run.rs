@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::blob::{hash_of, packed_json};
 use super::columns::{json_in, key_in, to_json};
-use super::rows::{CONTENT, RUN, check};
+use super::rows::{CONTENT, RUN, RowHash, check, stated};
 use super::{StepError, StoreError, Transaction};
 use ieap_domain::{
     Channel, ChannelSummary, ClimateCurve, Drive, Issue, Quantity, RunClimate, RunFile, RunKind, RunOrigin,
@@ -256,6 +256,7 @@ pub(super) struct RunRow {
     pub continues: String,
     pub tag_digest: String,
     pub ingested_at: String,
+    pub row_hash: RowHash,
     pub reading: ReadDocument,
     pub tagging: TagDocument,
 }
@@ -274,6 +275,7 @@ impl RunRow {
             continues: row.get("continues")?,
             tag_digest: row.get("tag_digest")?,
             ingested_at: row.get("ingested_at")?,
+            row_hash: stated(row)?,
             reading: json_in(row, "reading", "what was read of a run")?,
             tagging: json_in(row, "tagging", "the tags of a run")?,
         })

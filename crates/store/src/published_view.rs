@@ -130,8 +130,8 @@ mod tests {
         let store = Store::in_memory().unwrap();
         let found = r#"{"found":{"verdict":"law","sentence":"A law.","effects":[{"effect":"leak"}],"set":["leak"],
                        "posterior":[],"next_run":{"drive":"a longer step"},"members":[]}}"#;
-        let sql = "INSERT INTO result (kind, name, key, version, document, made_at)
-                   VALUES ('group', 'G', '', '', ?1, '2026-01-02T00:00:00Z')";
+        let sql = "INSERT INTO result (kind, name, key, version, built_from, document, made_at)
+                   VALUES ('group', 'G', '', '', '', ?1, '2026-01-02T00:00:00Z')";
         store.connection.execute(sql, [found]).unwrap();
         let left = r#"{"kind":"group","name":"G","verdict":"undecided","sentence":"Chance.","effects":"[]",
                       "as_good":"[]","next_run":null,"q_misfit":0.2}"#;

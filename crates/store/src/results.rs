@@ -12,9 +12,9 @@ use serde_json::{Map, Value};
 use super::blob::{packed_json, unpacked_json};
 use super::columns::{from_json, text_in, to_json};
 use super::new_run::RunRow;
-use super::rows::RESULT;
+use super::rows::{RESULT, RowHash, stated};
 use super::{StepError, Store, StoreError, Transaction};
-use ieap_domain::{Issue, string_enum};
+use ieap_domain::{Issue, MadeBy, string_enum};
 
 string_enum! {
     /// What kind of result.
@@ -104,8 +104,8 @@ pub struct NewResult<'a, T> {
     pub made_from: &'a [i64],
     /// Hash of everything that it depends on, and of nothing else; empty where it is to be made again whenever it is asked for.
     pub key: &'a str,
-    /// Version of the program.
-    pub version: &'a str,
+    /// The program.
+    pub made_by: &'a MadeBy,
     /// What was found, or why nothing could be.
     pub found: Result<&'a T, &'a Issue>,
 }
@@ -134,10 +134,12 @@ pub struct ResultOrigin {
     pub name: String,
     /// Hash of everything that it depends on.
     pub key: String,
-    /// Version of the program that made it.
-    pub version: String,
+    /// The program that made it.
+    pub made_by: MadeBy,
     /// When, RFC 3339 UTC.
     pub made_at: String,
+    /// Hash of its row, which states that of what is drawn.
+    pub row_hash: RowHash,
 }
 
 /// Which of the results of a name.
@@ -294,25 +296,6 @@ impl Store {
         Ok(found.into_iter().next())
     }
 
-    /// What the current result of a name was made from and what pages draw of it, by which anyone knows whether that changed.
-    ///
-    /// # Errors
-    /// See [`StoreError`].
-    pub fn state_of_result(&self, kind: ResultKind, name: &str) -> Result<Option<String>, StoreError> {
-        let state = |row: &Row<'_>| {
-            let (key, drawn) = (row.get::<_, String>("key")?, stated_drawn_hash(row)?);
-            Ok(format!("{key} {}", drawn.unwrap_or_default()))
-        };
-        let found = self.kept(
-            "reading what a result is made from",
-            RESULT,
-            ("", &kind.current()),
-            [kind.key(), name],
-            state,
-        )?;
-        Ok(found.into_iter().next())
-    }
-
     /// Current results, in words, of a run or log that is no current one.
     ///
     /// # Errors
@@ -391,14 +374,15 @@ fn insert<T: ResultDocument>(
     let condition = format!("{condition} AND superseded_at IS NULL");
     transaction.change(RESULT, (&condition, of), || {
         let sql = format!(
-            "INSERT INTO result (kind, {column}, key, version, document, made_at, drawn)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)"
+            "INSERT INTO result (kind, {column}, key, version, built_from, document, made_at, drawn)
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)"
         );
         transaction.prepare_cached(&sql)?.execute(params![
             kind.key(),
             of,
             result.key,
-            result.version,
+            result.made_by.version,
+            result.made_by.built_from,
             document,
             now,
             drawn
@@ -473,8 +457,12 @@ fn read_origin(row: &Row<'_>) -> Result<ResultOrigin, StepError> {
         id: row.get("id")?,
         name: row.get("of_name")?,
         key: row.get("key")?,
-        version: row.get("version")?,
+        made_by: MadeBy::new(
+            row.get::<_, String>("version")?,
+            row.get::<_, String>("built_from")?,
+        ),
         made_at: row.get("made_at")?,
+        row_hash: stated(row)?,
     })
 }
 

@@ -15,7 +15,7 @@ use super::{StepError, StoreError};
 const HASH_BYTES: usize = 16;
 
 /// A hash over values in order.
-pub(super) type RowHash = [u8; HASH_BYTES];
+pub type RowHash = [u8; HASH_BYTES];
 
 /// A table whose rows carry hashes.
 #[derive(Debug, Clone, Copy)]
@@ -83,7 +83,7 @@ pub(super) const JOURNAL_LINE: Table = Table {
 /// Results of all kinds.
 pub(super) const RESULT: Table = Table {
     name: "result",
-    columns: "id, kind, run_id, name, key, version, made_at, superseded_at, row_hash, document",
+    columns: "id, kind, run_id, name, key, version, built_from, made_at, superseded_at, row_hash, document",
     told: "'the ' || CASE kind WHEN 'group' THEN 'diagnosis' WHEN 'run' THEN 'diagnosis' WHEN 'modulus' THEN 'analysis' \
            WHEN 'comparison' THEN 'comparison of models' ELSE kind END || ' of ' || \
            coalesce(name, (SELECT path FROM run WHERE run.id = run_id), 'no run')",

@@ -367,7 +367,7 @@ fn record(row: &RunRow) -> RunRecord {
         ingested_at: row.ingested_at.clone(),
         issues: row.issues().cloned().collect(),
         fit: None,
-        fit_code_version: None,
+        fit_made_by: None,
         climate: tagging.climate.clone(),
         standing: Standing::default(),
     }

@@ -11,7 +11,6 @@ use std::sync::OnceLock;
 use rusqlite::Connection;
 
 use super::StoreError;
-use super::migration::SCHEMA;
 
 /// Kind and name of what a schema holds.
 type Named = (String, String);
@@ -57,7 +56,7 @@ fn wanted() -> rusqlite::Result<&'static Schema> {
         return Ok(wanted);
     }
     let connection = Connection::open_in_memory()?;
-    connection.execute_batch(SCHEMA)?;
+    connection.execute_batch(ieap_migrations::SCHEMA)?;
     let wanted = of(&connection)?;
     Ok(WANTED.get_or_init(|| wanted))
 }

@@ -28,7 +28,7 @@ fn comment<'a>(sql: &'a str, column: &str) -> Option<&'a str> {
 
 /// The comment above a view, and above a table in the migrations.
 fn about(name: &str, kind: &str) -> String {
-    let texts = [super::migration::SCHEMA, super::views::VIEWS].into_iter();
+    let texts = [ieap_migrations::SCHEMA, super::views::VIEWS].into_iter();
     let head = format!("CREATE {} {name} ", kind.to_uppercase());
     let mut found = texts.filter_map(|text| {
         let at = text.find(&head)?;
@@ -130,7 +130,7 @@ fn schema_page_tells_of_every_column() {
 #[test]
 fn no_meaning_is_of_a_column_that_is_gone() {
     let (page, columns_of_tables) = made();
-    let made = [super::migration::SCHEMA, super::views::VIEWS].concat();
+    let made = [ieap_migrations::SCHEMA, super::views::VIEWS].concat();
     for (name, _) in meanings() {
         let (table, column) = name.split_once('.').unwrap_or(("", name));
         // Those of tables that are exported are held where these are made.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::new_run::RunRow;
 use super::results::{self, NewResult, ResultDocument, ResultKind, Subject};
 use super::{StepError, Store, StoreError, Transaction};
-use ieap_domain::{RunKind, SameReadings};
+use ieap_domain::{MadeBy, RunKind, SameReadings};
 
 /// A few readings of a run as hashes, the smallest ones: runs that hold the same readings share some.
 #[derive(Serialize, Deserialize)]
@@ -202,7 +202,7 @@ fn keep_of_runs<T: ResultDocument>(
             of: Subject::Run(run.id),
             made_from: &[run.id],
             key,
-            version: "",
+            made_by: &MadeBy::default(),
             found: Ok(found),
         };
         results::keep(transaction, now, kind, &[result])?;

@@ -99,7 +99,7 @@ impl Store {
         let (connection, found) = opened?;
         migration::refuse(found, &path)?;
         migration::refuse_unversioned(&connection, &path, found)?;
-        if found == migration::NEWEST {
+        if found == ieap_migrations::NEWEST {
             schema::refuse_changed(&connection, &path)?;
         }
         if found == 0 {

@@ -97,6 +97,7 @@ SELECT
     runs.model,
     fit.model_version,
     fit.code_version,
+    fit.built_from,
     fit.key AS parameter,
     fit.role,
     CASE
@@ -168,6 +169,7 @@ FROM runs_view AS runs JOIN (
     SELECT
         run_id,
         version AS code_version,
+        built_from,
         made_at,
         CAST(document ->> '$.found.model_version' AS INTEGER) AS model_version,
         CAST(document ->> '$.found.why_stopped' AS VARCHAR) AS why_stopped,
@@ -181,11 +183,11 @@ FROM runs_view AS runs JOIN (
         CAST(CAST(own ->> '$.estimate.at_bound' AS VARCHAR) IN ('1', 'true') AS INTEGER) AS at_bound,
         CAST(own ->> '$.estimate.reason' AS VARCHAR) AS reason
     FROM (
-        SELECT run_id, version, made_at, document, 'parameter' AS role, own.value AS own
+        SELECT run_id, version, built_from, made_at, document, 'parameter' AS role, own.value AS own
         FROM result, json_each(document, '$.found.parameters') AS own
         WHERE kind = 'fit' AND superseded_at IS NULL
         UNION ALL
-        SELECT run_id, version, made_at, document, 'nuisance' AS role, own.value AS own
+        SELECT run_id, version, built_from, made_at, document, 'nuisance' AS role, own.value AS own
         FROM result, json_each(document, '$.found.nuisances') AS own
         WHERE kind = 'fit' AND superseded_at IS NULL
     ) AS stated

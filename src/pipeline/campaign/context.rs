@@ -1,8 +1,9 @@
 //! A campaign that is worked on: its folder, what campaign.toml says, its database.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use crate::domain::{Campaign, Issue};
+use crate::domain::{Campaign, Issue, MadeBy};
 use crate::ingest::campaign_file;
 use crate::ingest::profiles::{self, Profiles};
 use crate::ingest::run_sheet::RunSheets;
@@ -16,6 +17,15 @@ use super::holdings;
 
 /// Version of this program, as fits and reports record it.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The commit that this program was built from, as [`MadeBy`] tells it.
+pub const BUILT_FROM: &str = env!("IEAP_BUILT_FROM");
+
+/// This program, as results record it.
+pub(crate) static PROGRAM: MadeBy = MadeBy {
+    version: Cow::Borrowed(CODE_VERSION),
+    built_from: Cow::Borrowed(BUILT_FROM),
+};
 
 /// Gives the bytes of a file that is not larger than the limit, bytes: `read_stable` of the scan, or what stands in for a disk.
 pub type ReadFile = fn(&Path, u64) -> Result<Vec<u8>, ReadFileError>;

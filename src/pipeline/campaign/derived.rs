@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::batch::{Making, TO_THE_END};
-use super::context::{CODE_VERSION, now};
+use super::context::{PROGRAM, now};
 use crate::domain::Issue;
 use crate::domain::fault::caught;
 use crate::pipeline::{Context, Observer, PipelineError};
@@ -266,7 +266,7 @@ pub(crate) fn bring_up_to_date<D: Derived>(
                         made_from: ids,
                         // A fault says nothing of the readings: it is tried again, and said again, every time.
                         key: if *is_fault { "" } else { key },
-                        version: CODE_VERSION,
+                        made_by: &PROGRAM,
                         found: found.as_ref(),
                     });
                 }

@@ -42,6 +42,8 @@ pub struct FitEntry {
     pub model_version: u32,
     /// Version of the program that fitted.
     pub code_version: Option<String>,
+    /// Commit that it was built from.
+    pub built_from: Option<String>,
     /// Hash of the readings.
     pub data_hash: String,
     /// Sample id.
@@ -139,12 +141,14 @@ fn entry(context: &Context, run: &RunRecord) -> Option<FitEntry> {
         .as_deref()
         .and_then(|id| context.campaign.sample(id))
         .map(|s| s.material.clone());
+    let made_by = run.fit_made_by.as_ref();
     Some(FitEntry {
         run: run.path.clone(),
         revision: run.revision,
         model: fit.model.clone(),
         model_version: fit.model_version,
-        code_version: run.fit_code_version.clone(),
+        code_version: made_by.map(|by| by.version.to_string()),
+        built_from: made_by.map(|by| by.built_from.to_string()),
         data_hash: run.data_hash.clone(),
         material,
         sample,

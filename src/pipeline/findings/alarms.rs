@@ -15,7 +15,7 @@ use crate::analysis::monitoring::{Evidence, Monitoring, monitor};
 use crate::domain::tag::keys;
 use crate::domain::{Alarm, AlarmSign, Campaign, InputHash, RunRecord};
 use crate::numerics::interrupt;
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::context::{CODE_VERSION, PROGRAM, now};
 use crate::pipeline::campaign::standing::{self, Runs, SetAside};
 use crate::pipeline::infra::allowed::AllowedCommands;
 use crate::pipeline::infra::command::{self, Ended};
@@ -252,7 +252,7 @@ fn keep(context: &mut Context, key: &str, found: &Alarms) -> Result<(), Pipeline
         // Which runs are watched is in the key, by which they are looked at again.
         made_from: &[],
         key,
-        version: CODE_VERSION,
+        made_by: &PROGRAM,
         found: Ok(found),
     };
     context

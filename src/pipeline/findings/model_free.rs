@@ -11,6 +11,7 @@ use crate::domain::{Channel, Estimate, ModulusLog, Quantity, RunRecord, Sample};
 use crate::pipeline::campaign::batch::compute;
 use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, PipelineError};
+use crate::store::StateOfRun;
 
 /// What runs say without a model.
 #[derive(Debug, Default)]
@@ -45,8 +46,10 @@ pub fn without_model(
 ) -> Result<WithoutModel, PipelineError> {
     let (logs, _) = standing::modulus_logs(context)?;
     let driven = runs.iter().filter(|run| run.drive.is_some());
-    let asked = driven.map(|run| asked(context, run, &logs));
-    let asked: Vec<Asked> = asked.collect::<Result<_, PipelineError>>()?;
+    let states = context.store.states_of_runs()?;
+    let asked: Vec<Asked> = driven
+        .map(|run| asked(context, run, (&logs, states.get(&run.id))))
+        .collect();
     // A run that said it before needs no readings.
     let load = |context: &Context, asked: &Asked| {
         let known: Option<Said> = asked.hash.as_deref().and_then(|hash| kept.earlier(hash));
@@ -73,13 +76,19 @@ pub fn curves_after_steps(
     runs: &[RunRecord],
     kept: &Cache,
 ) -> Result<Vec<StepCurves>, PipelineError> {
+    let states = context.store.states_of_runs()?;
     let load = |context: &Context, run: &RunRecord| {
         if run.drive.is_none() {
             return Ok((None, Ok(StepCurves::default())));
         }
         let sample = run.tag(keys::SAMPLE).and_then(|id| context.campaign.sample(id));
-        let state = context.store.state_of_run(run.id)?;
-        let hash = Some(Hash::default().with(&"curves").with(&state).with(&sample).text());
+        let hash = (states.get(&run.id)).map(|state| {
+            Hash::default()
+                .with(&"curves")
+                .with(&state.run)
+                .with(&sample)
+                .text()
+        });
         match hash.as_deref().and_then(|hash| kept.earlier(hash)) {
             Some(known) => Ok((hash, Ok(known))),
             None => Ok((hash, Err(channels(context, run)?))),
@@ -99,21 +108,22 @@ pub fn curves_after_steps(
 fn asked<'a>(
     context: &'a Context,
     run: &'a RunRecord,
-    logs: &[ModulusLog],
-) -> Result<Asked<'a>, PipelineError> {
+    (logs, state): (&[ModulusLog], Option<&StateOfRun>),
+) -> Asked<'a> {
     let campaign = &context.campaign;
     let sample = run.tag(keys::SAMPLE).and_then(|id| campaign.sample(id));
     let humidity = run.tag_number(keys::RELATIVE_HUMIDITY_PERCENT);
     let (modulus_mpa, _) = sample_modulus(logs, campaign, sample, humidity);
-    let state = context.store.state_of_run(run.id)?;
-    let hash = Hash::default().with(&"without a model").with(&state);
-    let hash = Some(hash.with(&sample).with(&modulus_mpa).text());
-    Ok(Asked {
+    let hash = state.map(|state| {
+        let hash = Hash::default().with(&"without a model").with(&state.run);
+        hash.with(&sample).with(&modulus_mpa).text()
+    });
+    Asked {
         run,
         sample,
         modulus_mpa,
         hash,
-    })
+    }
 }
 
 impl Asked<'_> {

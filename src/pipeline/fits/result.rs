@@ -3,8 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::domain::{AskedFit, Fit, Issue};
-use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::domain::{AskedFit, Fit, Issue, MadeBy};
+use crate::pipeline::campaign::context::{BUILT_FROM, CODE_VERSION};
 
 /// Schema of a row.
 pub const SCHEMA: &str = "ieap/fit-result/1";
@@ -22,6 +22,9 @@ pub struct FitResult {
     pub input_hash: String,
     /// Version of the program that fitted.
     pub code_version: String,
+    /// Commit that it was built from; empty where an earlier version fitted.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub built_from: String,
     /// How the fit was asked for by hand.
     #[serde(default)]
     pub asked: AskedFit,
@@ -53,6 +56,7 @@ impl FitResult {
             data_hash: data_hash.to_owned(),
             input_hash: input_hash.to_owned(),
             code_version: CODE_VERSION.to_owned(),
+            built_from: BUILT_FROM.to_owned(),
             asked: asked.clone(),
             fit,
             issue,
@@ -62,6 +66,11 @@ impl FitResult {
             checksum: result.sum(),
             ..result
         }
+    }
+
+    /// The program that fitted.
+    pub fn made_by(&self) -> MadeBy {
+        MadeBy::new(self.code_version.clone(), self.built_from.clone())
     }
 
     /// What the fit came to; none where the row says neither.

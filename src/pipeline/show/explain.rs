@@ -94,6 +94,8 @@ pub struct ResultEvidence {
     pub input_hash: String,
     /// Version of the program that made it.
     pub code_version: String,
+    /// Commit that it was built from.
+    pub built_from: String,
     /// When, RFC 3339 UTC.
     pub made_at: String,
 }
@@ -284,7 +286,8 @@ fn result(model: String, origin: ResultOrigin) -> ResultEvidence {
         id: Some(origin.id),
         model,
         input_hash: origin.key,
-        code_version: origin.version,
+        code_version: origin.made_by.version.into_owned(),
+        built_from: origin.made_by.built_from.into_owned(),
         made_at: origin.made_at,
     }
 }

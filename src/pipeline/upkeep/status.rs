@@ -296,11 +296,7 @@ pub fn status(context: &Context) -> Result<Status, PipelineError> {
         gaps: gaps(context, &runs),
         fitted_by_older_program: runs
             .iter()
-            .filter(|run| {
-                run.fit_code_version
-                    .as_deref()
-                    .is_some_and(|version| version != CODE_VERSION)
-            })
+            .filter(|run| (run.fit_made_by.as_ref()).is_some_and(|made_by| made_by.version != CODE_VERSION))
             .map(|run| run.path.clone())
             .collect(),
     })

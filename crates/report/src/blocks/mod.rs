@@ -23,45 +23,6 @@ use ieap_domain::Issue;
 use ieap_domain::words::counted;
 use ieap_show::{Block, Chart, Form};
 
-/// Template of pages that are blocks.
-pub const PAGE: &str = include_str!("../../../../templates/page.html");
-
-/// The templates of the blocks, by the names under which the page includes them.
-pub const TEMPLATES: [(&str, &str); 8] = [
-    (
-        "blocks/keys.html",
-        include_str!("../../../../templates/blocks/keys.html"),
-    ),
-    (
-        "blocks/all.html",
-        include_str!("../../../../templates/blocks/all.html"),
-    ),
-    (
-        "blocks/say.html",
-        include_str!("../../../../templates/blocks/say.html"),
-    ),
-    (
-        "blocks/facts.html",
-        include_str!("../../../../templates/blocks/facts.html"),
-    ),
-    (
-        "blocks/table.html",
-        include_str!("../../../../templates/blocks/table.html"),
-    ),
-    (
-        "blocks/charts.html",
-        include_str!("../../../../templates/blocks/charts.html"),
-    ),
-    (
-        "blocks/issues.html",
-        include_str!("../../../../templates/blocks/issues.html"),
-    ),
-    (
-        "blocks/runs.html",
-        include_str!("../../../../templates/blocks/runs.html"),
-    ),
-];
-
 #[derive(Debug, Serialize)]
 struct BlocksPage {
     blocks: Vec<Item>,

@@ -58,7 +58,7 @@ pub const PAGES: &[Page] = &[
         file: "index.html",
         title: "Overview",
         under: None,
-        template: include_str!("../../../../templates/pages/index.html"),
+        template: ieap_templates::INDEX,
         is_shown: |_| true,
         content: index::content,
     },
@@ -66,7 +66,7 @@ pub const PAGES: &[Page] = &[
         file: "study.html",
         title: "Study",
         under: None,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| study::view::is_told(&input.study) || !input.next_runs.is_empty(),
         content: |site| {
             let Input { study, next_runs, .. } = site.input;
@@ -79,7 +79,7 @@ pub const PAGES: &[Page] = &[
         file: "parameters.html",
         title: "Parameters",
         under: None,
-        template: include_str!("../../../../templates/pages/parameters.html"),
+        template: ieap_templates::PARAMETERS,
         is_shown: |_| true,
         content: parameters::content,
     },
@@ -87,7 +87,7 @@ pub const PAGES: &[Page] = &[
         file: "methods.html",
         title: "Methods",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.runs.is_empty(),
         content: |site| {
             let Input { study, origin, .. } = site.input;
@@ -99,7 +99,7 @@ pub const PAGES: &[Page] = &[
         file: "along.html",
         title: "Along the strip",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| input.runs.iter().any(RunRecord::is_along),
         content: |site| {
             let input = site.input.of_tables();
@@ -111,7 +111,7 @@ pub const PAGES: &[Page] = &[
         file: "dma.html",
         title: "Modulus (DMA)",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.modulus_logs.is_empty(),
         content: |site| {
             let shown = dma::view::view(&site.input.modulus_logs, &site.input.campaign);
@@ -122,7 +122,7 @@ pub const PAGES: &[Page] = &[
         file: "stiffness.html",
         title: "Stiffness or coupling",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| stiffness::view::is_told(&input.of_tables()),
         content: |site| {
             let input = site.input.of_tables();
@@ -134,7 +134,7 @@ pub const PAGES: &[Page] = &[
         file: "frequency.html",
         title: "Frequency response",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.frequency.is_empty(),
         content: |site| {
             let shown = frequency::view::view(&site.input.frequency, &site.input.runs);
@@ -145,7 +145,7 @@ pub const PAGES: &[Page] = &[
         file: "models.html",
         title: "Models compared",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.comparisons.is_empty(),
         content: |site| {
             blocks::content(
@@ -159,7 +159,7 @@ pub const PAGES: &[Page] = &[
         file: "impedance.html",
         title: "Impedance",
         under: PARAMETERS,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.spectra.runs.is_empty(),
         content: |site| {
             let shown = impedance::view(&site.input.spectra, &site.input.campaign);
@@ -170,7 +170,7 @@ pub const PAGES: &[Page] = &[
         file: "findings.html",
         title: "Findings",
         under: None,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |_| true,
         content: findings::content,
     },
@@ -178,7 +178,7 @@ pub const PAGES: &[Page] = &[
         file: residuals::FILE,
         title: "Residuals of all runs",
         under: Some("findings.html"),
-        template: include_str!("../../../../templates/pages/residuals.html"),
+        template: ieap_templates::RESIDUALS,
         is_shown: |input| input.runs.iter().any(|run| run.fit.is_some()),
         content: residuals::content,
     },
@@ -186,7 +186,7 @@ pub const PAGES: &[Page] = &[
         file: "monitoring.html",
         title: "Monitoring",
         under: None,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| monitoring::view::is_told(&input.monitoring, &input.of_tables()),
         content: |site| {
             let shown = monitoring::view::view(&site.lives());
@@ -197,7 +197,7 @@ pub const PAGES: &[Page] = &[
         file: "climate.html",
         title: "Climate",
         under: None,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |_| true,
         content: |site| {
             let Input {
@@ -215,7 +215,7 @@ pub const PAGES: &[Page] = &[
         file: "files.html",
         title: "Files",
         under: None,
-        template: blocks::PAGE,
+        template: ieap_templates::PAGE,
         is_shown: |input| !input.file_stories.is_empty(),
         content: |site| blocks::content(site, "files.html", files::view(&site.input.file_stories)),
     },
@@ -227,8 +227,3 @@ pub fn shown(input: &Input) -> Vec<&'static Page> {
     let is_shown = |page: &&Page| caught(|| (page.is_shown)(input)).unwrap_or(true);
     PAGES.iter().filter(is_shown).collect()
 }
-
-/// Template of the pages of runs.
-pub const RUN_TEMPLATE: &str = include_str!("../../../../templates/pages/run.html");
-/// Template of the pages that every diagnosed group has.
-pub const FINDING_TEMPLATE: &str = include_str!("../../../../templates/pages/finding.html");

@@ -152,9 +152,9 @@ pub fn cycles(own: &CycleRun) -> Block {
 /// How the fit was made and ended.
 pub fn facts(fit: &Fit, record: &RunRecord) -> Vec<Fact> {
     let program = record
-        .fit_code_version
-        .as_deref()
-        .unwrap_or("a program version that is not stored");
+        .fit_made_by
+        .as_ref()
+        .map_or("a program version that is not stored", |by| &by.version);
     let verb = if fit.converged {
         "converged"
     } else {

@@ -4,7 +4,7 @@ use super::*;
 use crate::testing::new_run;
 use crate::{FileRow, Moves};
 use ieap_domain::testing::{fit, known};
-use ieap_domain::{FileState, Fit, Quantity, RunCurve, RunKind};
+use ieap_domain::{FileState, Fit, MadeBy, Quantity, RunCurve, RunKind};
 
 const NOW: &str = "2026-01-01T00:00:00Z";
 
@@ -43,7 +43,7 @@ fn keep(store: &mut Store, key: &str, found: Result<&Fit, &Issue>) {
         of: Subject::Run(run_id),
         made_from: &[run_id],
         key,
-        version: "1.0",
+        made_by: &MadeBy::new("1.0", ""),
         found,
     };
     assert_eq!(
@@ -216,7 +216,7 @@ fn a_result_is_of_its_run_under_the_name_that_it_has_then() {
             of: Subject::Run(run_id),
             made_from: &[run_id],
             key: "k",
-            version: "1.0",
+            made_by: &MadeBy::new("1.0", ""),
             found: Ok(&found),
         };
         let stored = store.keep_results(NOW, ResultKind::Fit, &[result]).unwrap();

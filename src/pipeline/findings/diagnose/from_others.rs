@@ -166,7 +166,7 @@ fn held(due: &Due, tasks: &[FitTask], channels: &[Vec<Channel>], options: &Diagn
         name: origin.name.clone(),
         made_from: runs_of(due.subject, tasks),
         key: origin.key.clone(),
-        version: origin.version.clone(),
+        made_by: origin.made_by.clone(),
         diagnosed: Diagnosed {
             found,
             ..diagnosed.clone()

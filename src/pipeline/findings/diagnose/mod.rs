@@ -14,9 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::groups::{is_called, title};
 use crate::diagnose::{DiagnoseOptions, diagnose_group, with_places};
 use crate::domain::fault::caught;
-use crate::domain::{Channel, GroupDiagnosis};
+use crate::domain::{Channel, GroupDiagnosis, MadeBy};
 use crate::pipeline::campaign::batch::Making;
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::context::{PROGRAM, now};
 use crate::pipeline::campaign::derived::{Holding, Inputs, in_rounds};
 use crate::pipeline::campaign::standing;
 use crate::pipeline::findings::current::current_findings;
@@ -374,7 +374,7 @@ fn rows(
                 name: subject.name.clone(),
                 made_from: runs_of(subject, tasks),
                 key: hash.clone(),
-                version: CODE_VERSION.to_owned(),
+                made_by: PROGRAM.clone(),
                 diagnosed: Diagnosed {
                     members: members.iter().map(of).collect(),
                     library: library.to_owned(),
@@ -399,7 +399,7 @@ struct Row {
     name: String,
     made_from: Vec<i64>,
     key: String,
-    version: String,
+    made_by: MadeBy,
     diagnosed: Diagnosed,
 }
 
@@ -474,7 +474,7 @@ impl Row {
             },
             made_from: &self.made_from,
             key: &self.key,
-            version: &self.version,
+            made_by: &self.made_by,
             found: Ok(&self.diagnosed),
         }
     }

@@ -16,7 +16,7 @@ use crate::domain::{
     Campaign, ChannelSummary, ClimateAssessment, ClimateQuantity, ClimateRules, Exposure, Issue, RunRecord,
     SensorPair, SensorStatement, SensorSummary,
 };
-use crate::pipeline::campaign::context::{CODE_VERSION, now};
+use crate::pipeline::campaign::context::{PROGRAM, now};
 use crate::pipeline::intake::ingest::run_window;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{NewResult, ResultKind, Store, StoreError, Subject};
@@ -55,7 +55,7 @@ pub fn assess(context: &mut Context, shelf: &Shelf) -> Result<(), PipelineError>
         // The sensors' readings and the runs are in the key, by which the next look makes it again.
         made_from: &[],
         key: &inputs,
-        version: CODE_VERSION,
+        made_by: &PROGRAM,
         found: Ok(&assessment),
     };
     context

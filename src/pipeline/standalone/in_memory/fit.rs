@@ -10,7 +10,7 @@ use crate::fit::{EdgeTimes, FitError, FitInput, FitOptions, distributed, placed_
 use crate::ingest::derived;
 use crate::ingest::formats::columns::COLUMN_REFUSED;
 use crate::model::ModelChoice;
-use crate::pipeline::campaign::context::CODE_VERSION;
+use crate::pipeline::campaign::context::{BUILT_FROM, CODE_VERSION};
 use crate::pipeline::documents::fits::{as_object, parameter_entries};
 use crate::pipeline::fits::choice::{FitChoice, options_of};
 use crate::pipeline::fits::input_hash::input_hash;
@@ -27,6 +27,8 @@ pub struct FitAtHand {
     pub model_version: u32,
     /// Version of the program that fitted.
     pub code_version: &'static str,
+    /// Commit that it was built from.
+    pub built_from: &'static str,
     /// Hash of the readings.
     pub data_hash: String,
     /// Hash of everything that the fit depends on.
@@ -93,6 +95,7 @@ pub fn fit(
         model: fit.model.clone(),
         model_version: fit.model_version,
         code_version: CODE_VERSION,
+        built_from: BUILT_FROM,
         data_hash: run.task.data_hash.clone(),
         input_hash: input_hash(&run.task, options, known),
         converged: fit.converged,

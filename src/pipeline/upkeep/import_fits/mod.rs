@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::domain::{AskedFit, Fit, Issue};
+use crate::domain::{AskedFit, Fit, Issue, MadeBy};
 use crate::pipeline::campaign::context::CODE_VERSION;
 use crate::pipeline::campaign::derived::{Holding, Inputs};
 use crate::pipeline::fits::outcome::{NOT_FITTED, store};
@@ -234,14 +234,18 @@ fn take(
             };
             let is_so: Vec<bool> = of_each.iter().map(|(row, run, _)| holds((row, run))).collect();
             let holding = || of_each.iter().zip(&is_so).filter(|(_, is_so)| **is_so);
-            let ids: Vec<[i64; 1]> = holding().map(|((_, run, _), _)| [run.task.run_id]).collect();
-            let results = holding().zip(&ids).map(|(((row, _, found), _), ids)| NewResult {
-                of: Subject::Run(ids[0]),
-                made_from: ids,
-                key: &row.result.input_hash,
-                version: &row.result.code_version,
-                found: *found,
-            });
+            let own: Vec<([i64; 1], MadeBy)> = holding()
+                .map(|((row, run, _), _)| ([run.task.run_id], row.result.made_by()))
+                .collect();
+            let results = holding()
+                .zip(&own)
+                .map(|(((row, _, found), _), (ids, made_by))| NewResult {
+                    of: Subject::Run(ids[0]),
+                    made_from: ids,
+                    key: &row.result.input_hash,
+                    made_by,
+                    found: *found,
+                });
             let results: Vec<NewResult<'_, Fit>> = results.collect();
             let mut kept = store(context, &results, holding().map(|((_, run, _), _)| run))?.into_iter();
             let kept: Vec<bool> = is_so

@@ -136,6 +136,7 @@ CREATE TABLE result (
     name          TEXT,                          -- of the group, or of what there is one of; NULL where it is of a run
     key           TEXT    NOT NULL,              -- BLAKE3 over everything that it depends on; empty: a fault stopped it
     version       TEXT    NOT NULL,              -- of the program that made it
+    built_from    TEXT    NOT NULL,              -- commit that this program was built from, or unknown; empty: not told
     made_at       TEXT    NOT NULL,              -- when, RFC 3339 UTC
     superseded_at TEXT,                          -- when another took its place; NULL: it is current
     row_hash      BLOB    NOT NULL DEFAULT x'',
