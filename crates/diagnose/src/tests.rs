@@ -44,13 +44,13 @@ pub(super) fn every_misfit() -> DiagnoseOptions {
 }
 
 /// Steps of the voltage: start, s, and V.
-type Levels = &'static [(f64, f64)];
+pub(super) type Levels = &'static [(f64, f64)];
 
 const STEP: Levels = &[(0.0, 2.0)];
 const HALF: Levels = &[(0.0, 1.0)];
 const REVERSED: Levels = &[(0.0, -2.0)];
 const DISCHARGED: Levels = &[(0.0, 2.0), (300.0, 0.0)];
-const FOUR: &[Levels] = &[STEP, HALF, REVERSED, DISCHARGED];
+pub(super) const FOUR: &[Levels] = &[STEP, HALF, REVERSED, DISCHARGED];
 
 /// 2 V and none in turn, 20 s each.
 const PULSES: Levels = &{
@@ -66,7 +66,7 @@ const PULSES: Levels = &{
 /// An effect: id, variant, parameters with their keys.
 pub(super) type Hidden = (&'static str, Option<&'static str>, &'static [(&'static str, f64)]);
 
-fn base() -> LumpedModel {
+pub(super) fn base() -> LumpedModel {
     sample([30.0, 0.03, 120.0, 0.15], 3000.0, 20.0, 0.01)
 }
 

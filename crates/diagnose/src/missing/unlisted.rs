@@ -209,7 +209,7 @@ impl Relaxing<'_> {
     /// What it bends, as a current that is stored, where the strip forgets.
     fn bent(self, run: &GroupRun, base: &LumpedModel, time_s: &[f64]) -> Vec<f64> {
         let forgets = base.relaxation_rate_per_s;
-        let nearest = 1e-6 * self.rate.max(forgets);
+        let nearest = 1e-6 * self.rate.max(forgets).max(self.scales.longest_s.recip());
         // One that fades as fast as the strip forgets is the limit of those beside it.
         let apart = Some(self.rate - forgets)
             .filter(|apart| apart.abs() > nearest)
@@ -238,15 +238,86 @@ impl Relaxing<'_> {
         let of = |volts: f64| self.by.of(volts, self.scales.largest_v);
         let (mut level, mut sum, mut since_s) = (of(drive.baseline_v), 0.0, 0.0);
         let mut edges = drive.levels().peekable();
+        // Before the first edge nothing fades, however long.
+        let faded = |sum: f64, passed_s: f64| sum * (-rate * passed_s.max(0.0)).exp();
         let at = |&time: &f64| {
             while let Some((edge_s, volts)) = edges.next_if(|(edge_s, _)| *edge_s <= time) {
                 // An open circuit drives nothing new.
                 let next = volts.map_or(level, of);
-                sum = sum * (-rate * (edge_s - since_s)).exp() + next - level;
+                sum = faded(sum, edge_s - since_s) + next - level;
                 (level, since_s) = (next, edge_s);
             }
-            sum * (-rate * (time - since_s)).exp()
+            faded(sum, time - since_s)
         };
         time_s.iter().map(at).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{FOUR, Runs};
+
+    fn scales() -> Scales {
+        Scales {
+            longest_s: 1000.0,
+            shortest_s: 1e-3,
+            largest_v: 2.0,
+        }
+    }
+
+    /// Against small steps of what a stored current bends, which is forgotten meanwhile.
+    #[test]
+    fn a_stored_current_bends_as_the_strip_forgets() {
+        let runs = Runs::with(None, FOUR, 5);
+        let inputs = runs.inputs();
+        let group = RunGroup::new(&inputs);
+        let scales = scales();
+        let mut base = crate::tests::base();
+        for (rate, forgets) in [(0.05, 0.004), (0.0, 0.0), (0.01, 0.01), (0.0, 0.02)] {
+            base.relaxation_rate_per_s = forgets;
+            let relaxing = Relaxing {
+                by: By::Voltage,
+                rate,
+                scales: &scales,
+            };
+            for run in &group.runs {
+                let time_s: Vec<f64> = (-200..4000).map(|k| 0.1 * f64::from(k)).collect();
+                let current = relaxing.over(run, &time_s);
+                let bent = relaxing.bent(run, &base, &time_s);
+                let (mut strain, mut most, mut worst) = (0.0, 0.0_f64, 0.0_f64);
+                for (current, bent) in current.iter().zip(&bent) {
+                    let expected = base.charge_to_curvature_per_c_cm * strain;
+                    most = most.max(expected.abs());
+                    worst = worst.max((bent - expected).abs());
+                    strain += 0.1 * (current - forgets * strain);
+                }
+                assert!(worst < 0.02 * most, "{rate} {forgets}: {worst} of {most}");
+            }
+        }
+    }
+
+    /// Records that begin long before their first edge and are read fast: nothing overflows.
+    #[test]
+    fn a_long_rest_is_no_number_that_overflows() {
+        let runs = Runs::with(None, FOUR, 5);
+        let inputs = runs.inputs();
+        let group = RunGroup::new(&inputs);
+        let scales = scales();
+        for rate in scales.rates(RELAXATIONS) {
+            let relaxing = Relaxing {
+                by: By::Clock,
+                rate,
+                scales: &scales,
+            };
+            let time_s = [-1e5, -1.0, 0.0, 1e-3, 10.0, 1e6];
+            let all = relaxing.over(&group.runs[0], &time_s);
+            let bent = relaxing.bent(&group.runs[0], &crate::tests::base(), &time_s);
+            assert!(
+                all.iter().chain(&bent).all(|v| v.is_finite()),
+                "{rate}: {all:?} {bent:?}"
+            );
+            assert_eq!((all[0], bent[0]), (0.0, 0.0));
+        }
     }
 }

@@ -62,11 +62,8 @@ pub(crate) struct Weight<'g> {
 impl Weight<'_> {
     /// Its logarithm where falls are divided by `t`: a likelihood that is so much broader leaves less to pay for widths.
     fn log(&self, t: f64) -> f64 {
-        if let Some(random) = &self.random {
-            return random.log(t) + self.prior;
-        }
-        let occam = (self.occam + 0.5 * self.free * t.ln()).min(0.0);
-        let all = self.fall / t + occam + self.prior;
+        let of_fit = || self.fall / t + (self.occam + 0.5 * self.free * t.ln()).min(0.0);
+        let all = self.prior + self.random.as_ref().map_or_else(of_fit, |random| random.log(t));
         if all.is_nan() { f64::NEG_INFINITY } else { all }
     }
 }
