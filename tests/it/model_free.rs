@@ -217,7 +217,10 @@ fn a_life_test_is_told_cycle_by_cycle_with_its_fade() {
     assert_eq!(in_sql, (value(10, "charge_in_c"), "C".to_owned()));
     for row in [10, 100] {
         let alpha = 5.0 * (1.0 - 1e-3 * row as f64);
-        assert!((value(row, "curvature_per_c_cm") / alpha - 1.0).abs() < 0.03, "{row}");
+        assert!(
+            (value(row, "curvature_per_c_cm") / alpha - 1.0).abs() < 0.03,
+            "{row}"
+        );
         assert!(
             (value(row, "coulombic_efficiency_percent") - 100.0).abs() < 2.0,
             "{row}"
