@@ -152,6 +152,7 @@ pub struct ExtendedPlace {
     /// Laws beside it.
     pub laws: Vec<FittedLaw>,
     /// Covariance of all these parameters, those of the laws last, row by row; zero of what was held.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub covariance: Vec<f64>,
 }
 
@@ -163,6 +164,7 @@ pub struct FittedLaw {
     /// The form that it took, where it has several.
     pub form: Option<String>,
     /// In the order that its effect has.
+    #[serde(deserialize_with = "number_or_null::many")]
     pub parameters: Vec<f64>,
 }
 

@@ -75,6 +75,12 @@ impl Source {
         if let Some(place) = &fit.extended {
             return Source::of_group(run, place, drive, curves, sample, size);
         }
+        if fit.is_of_group() {
+            return Err(format!(
+                "its fit with {} is of an earlier version, which did not store where its laws lie: `ieap run --only fit` makes it again",
+                fit.model
+            ));
+        }
         let read = Read::of(fit)?;
         let (lasted_s, step_v) = shown(drive, curves);
         Ok(Source {
@@ -116,6 +122,11 @@ impl Source {
             (1..=model.branches.len()).flat_map(|k| [format!("r{k}_ohm_cm2"), format!("c{k}_f_per_cm2")]);
         let rest = ["rss_ohm_cm2", "alpha_per_c_cm", "lambda_per_s"].map(str::to_owned);
         let (lasted_s, step_v) = shown(drive, curves);
+        let laws = laws_of(place)?;
+        let of_laws = laws.iter().flat_map(|law| &law.parameters);
+        if !place.covariance.iter().chain(of_laws).all(|v| v.is_finite()) {
+            return Err("the errors of its laws are not determined".to_owned());
+        }
         Ok(Source {
             run: run.path.clone(),
             fitted_with: run.fit.as_ref().map(|fit| fit.model.clone()).unwrap_or_default(),
@@ -124,7 +135,7 @@ impl Source {
             keys: branches.chain(rest).collect(),
             bends: model.charge_to_curvature_per_c_cm != 0.0,
             model,
-            laws: laws_of(place)?,
+            laws,
             variants: Vec::new(),
             changes: Vec::new(),
             variant_changes: Vec::new(),
