@@ -27,10 +27,9 @@ pub(super) fn known_misfit(
     runs: &[RunRecord],
     measured: impl Fn(&RunRecord, Quantity) -> Result<Vec<f64>, PipelineError>,
 ) -> Result<KnownMisfit, PipelineError> {
-    let of_sources = diagnosed(groups, sources);
     // A diagnosis says what the base model gets wrong: of a model that has laws it is what its own fits leave.
+    let of_sources = diagnosed(groups, sources.iter().filter(|source| source.laws.is_empty()));
     let has_laws = sources.iter().any(|source| !source.laws.is_empty());
-    let of_sources = if has_laws { Vec::new() } else { of_sources };
     let largest = |percent: &dyn Fn(&GroupDiagnosis) -> Option<f64>| {
         let all = of_sources.iter().filter_map(|group| percent(group));
         all.reduce(f64::max).map(|percent| percent / 100.0)
@@ -74,9 +73,12 @@ pub(super) fn known_misfit(
     })
 }
 
-fn diagnosed<'a>(groups: &'a [GroupDiagnosis], sources: &[Source]) -> Vec<&'a GroupDiagnosis> {
+fn diagnosed<'a, 's>(
+    groups: &'a [GroupDiagnosis],
+    sources: impl Iterator<Item = &'s Source> + Clone,
+) -> Vec<&'a GroupDiagnosis> {
     let own = |group: &&GroupDiagnosis| {
-        let mut of_sample = sources.iter().filter(|source| source.sample == 0);
+        let mut of_sample = sources.clone().filter(|source| source.sample == 0);
         of_sample.any(|source| group.runs.contains(&source.run))
     };
     groups.iter().filter(own).collect()
@@ -103,7 +105,7 @@ fn left_by_fit(
 
 /// Onset of electrolysis that a diagnosis of the sources accepted, V; the lowest where there are several.
 pub(super) fn found_onset(groups: &[GroupDiagnosis], sources: &[Source]) -> Option<Estimate> {
-    let findings = diagnosed(groups, sources)
+    let findings = diagnosed(groups, sources.iter())
         .into_iter()
         .flat_map(|group| &group.effects);
     let onsets = findings.filter(|finding| finding.effect == ELECTROLYSIS);
