@@ -9,7 +9,7 @@ use ieap_model::effects::smooth_laws::Place;
 use super::account::account;
 use super::columns::{LawColumns, columns};
 use super::drawn::drawn;
-use super::policy::{CLEAR_GAIN, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
+use super::policy::{CLEAR_GAIN, LARGER_PART, MOST_LAWS, MOST_RIVALS, NEXT_FROM_PART, SURE};
 use super::posterior::{differing, posterior};
 use super::told::{Told, told};
 use super::weighed::{Asked, Says, Weighed};
@@ -93,7 +93,7 @@ pub(crate) fn look<'g>(
         };
         // A law must predict better what it has not seen, beside the laws before it, and take the larger part of the error: what
         // leaves most of it stands beside something else that is the law.
-        let takes_most = left_part(current, &next) < 0.5;
+        let takes_most = left_part(current, &next) < LARGER_PART;
         let is_told = is_sure && takes_most && log_odds >= CLEAR_GAIN;
         if !is_told && lead.is_some() {
             break;

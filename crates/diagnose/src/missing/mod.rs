@@ -14,5 +14,5 @@ pub(crate) mod policy;
 mod posterior;
 mod simple;
 mod told;
-mod unlisted;
+mod unnamed;
 pub(crate) mod weighed;

@@ -34,7 +34,7 @@ pub(super) fn posterior(
                 }
             }
             Says::Equation(id) => found.push(plain(HypothesisKind::Effect, Some(id))),
-            Says::Unlisted => found.push(Hypothesis {
+            Says::Unnamed => found.push(Hypothesis {
                 with: own.place.map(|place| place.site.name().to_owned()),
                 ..plain(HypothesisKind::Unnamed, None)
             }),

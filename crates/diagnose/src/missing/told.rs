@@ -45,7 +45,7 @@ pub(crate) fn told(weighed: &Weighed, masses: &[f64], differing: &[Hypothesis]) 
     let Some(site) = told.site else { return told };
     let mut places: Vec<(Place, f64)> = Vec::new();
     for (own, _) in each() {
-        let listed = own.place.filter(|_| own.says != Says::Unlisted);
+        let listed = own.place.filter(|_| own.says != Says::Unnamed);
         let Some(place) = listed.filter(|place| place.site == site) else {
             continue;
         };

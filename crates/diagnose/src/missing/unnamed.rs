@@ -16,12 +16,12 @@ use crate::readings::group::{GroupRun, RunGroup};
 
 /// What such answers say of the residuals at a site: each by its products.
 #[derive(Clone)]
-pub(crate) struct Unlisted {
+pub(crate) struct Unnamed {
     pub(super) site: Site,
     answers: Vec<Process>,
 }
 
-impl Unlisted {
+impl Unnamed {
     /// Logarithm of the evidence of any of them over that of nothing, in noise of `t` times the variance.
     pub(super) fn log(&self, t: f64) -> f64 {
         let each = self
@@ -42,12 +42,12 @@ impl Unlisted {
 }
 
 /// The same at both sites, beside a base model.
-pub(super) fn unlisted(
+pub(super) fn unnamed(
     group: &RunGroup,
     base: &LumpedModel,
     tangent: &Tangent,
     residuals: &[f64],
-) -> Vec<Unlisted> {
+) -> Vec<Unnamed> {
     let of_site = |site: Site| {
         // Bending is no current: it is asked once.
         let stored: &[bool] = match site {
@@ -59,7 +59,7 @@ pub(super) fn unlisted(
             .flat_map(|&bends| [Of::All, Of::Each].map(|of| Answer { site, bends, of }));
         let process = |answer: Answer| Process::of(&answer.columns(group, base), tangent, residuals);
         let answers: Vec<Process> = answers.map(process).filter(|own| !own.is_nothing()).collect();
-        (!answers.is_empty()).then_some(Unlisted { site, answers })
+        (!answers.is_empty()).then_some(Unnamed { site, answers })
     };
     let sites = [Site::Current, Site::Bending];
     sites.into_par_iter().filter_map(of_site).collect()

@@ -13,10 +13,10 @@ use super::columns::{LawColumns, columns_of};
 use super::evidence::{evidence, process};
 use super::policy::{
     DIFFERS, FITTED_TOGETHER, INEXACT, MOST_FITTED, NEAR_BESIDE, NEAR_PART, OF_CURVES, SLOW, SURE, UNFITTED,
-    UNLISTED,
+    UNNAMED,
 };
 use super::simple::{Top, simple};
-use super::unlisted::{Unlisted, unlisted};
+use super::unnamed::{Unnamed, unnamed};
 use crate::cause::candidates::{CandidateFit, fit_candidates};
 use crate::cause::evidence::{Process, Varying, log_evidence, log_sum, slow_noise};
 use crate::fitting::fitted::Fitted;
@@ -37,7 +37,7 @@ pub(crate) enum Says {
     /// Parameters differ between runs.
     Differ,
     /// Something at its site that is none of the laws.
-    Unlisted,
+    Unnamed,
 }
 
 /// A hypothesis with its weight, logarithms over that of the base alone.
@@ -56,7 +56,7 @@ pub(crate) struct Weight<'g> {
     /// The model in full, where it was fitted.
     pub(crate) fitted: Option<Fitted<'g>>,
     /// What is no model but random functions: they are asked again in a likelihood that is broader.
-    pub(crate) random: Option<Unlisted>,
+    pub(crate) random: Option<Unnamed>,
 }
 
 impl Weight<'_> {
@@ -124,7 +124,7 @@ impl<'g> Asked<'_, 'g> {
         let logs: Vec<f64> = all.iter().map(|own| own.log(1.0)).collect();
         let rest = log_sum(&logs);
         let slow = slow.fall + slow.occam.min(0.0) + SLOW.ln();
-        all.extend(self.unlisted(&tangent));
+        all.extend(self.unnamed(&tangent));
         Weighed {
             all,
             varying,
@@ -133,11 +133,11 @@ impl<'g> Asked<'_, 'g> {
     }
 
     /// What follows the drive and is no law of the list.
-    fn unlisted(&self, tangent: &Tangent) -> Vec<Weight<'g>> {
-        let found = unlisted(self.group, &self.current.base(), tangent, self.residuals);
-        let prior = (UNLISTED / found.len().max(1) as f64).ln();
-        let weight = |own: Unlisted| Weight {
-            says: Says::Unlisted,
+    fn unnamed(&self, tangent: &Tangent) -> Vec<Weight<'g>> {
+        let found = unnamed(self.group, &self.current.base(), tangent, self.residuals);
+        let prior = (UNNAMED / found.len().max(1) as f64).ln();
+        let weight = |own: Unnamed| Weight {
+            says: Says::Unnamed,
             place: Some(Place {
                 site: own.site,
                 law: "",
