@@ -140,6 +140,39 @@ fn whatever_changes_the_report_is_the_one_made_from_nothing() {
 }
 
 #[test]
+fn what_is_known_beside_the_runs_changes_the_pages_that_show_it() {
+    let folder = campaign();
+    let start = "started_at = \"2026-01-10T10:00:00+02:00\"\n";
+    folder.write("runs/air/0.csv.toml", start);
+    let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);
+    let minutes = (0..180).map(|k| format!("2026-01-10 {:02}:{:02}:00,21.0,61.0\n", 9 + k / 60, k % 60));
+    let log: String = minutes.collect();
+    folder.write(
+        "ambient/room.csv",
+        format!("Time,Temperature (°C),Relative Humidity (%)\n{log}"),
+    );
+    let _ = folder.ieap(&["ingest"]).expect(0);
+    assert_eq!(kept_pages(&folder, "a log, which every run is held against"), 0);
+    let stated = |from: &str, to: &str| {
+        let toml = fs::read_to_string(folder.join("campaign.toml")).unwrap();
+        assert!(toml.contains(from), "{toml}");
+        folder.write("campaign.toml", toml.replacen(from, to, 1));
+        let _ = folder.ieap(&["ingest"]).expect(0);
+    };
+    stated("Europe/Tallinn", "America/Lima");
+    assert_eq!(kept_pages(&folder, "another clock for every moment"), 0);
+    folder.write(
+        "looks/blocks/say.html",
+        "<p class=\"ours\">{{ block.text }}</p>\n",
+    );
+    stated("[campaign]", "[report]\ntemplates = \"looks\"\n[campaign]");
+    assert_eq!(kept_pages(&folder, "a template of the campaign's own"), 0);
+    stated("width_mm = 2.0", "width_mm = 2.5");
+    let _ = folder.ieap(&["fit"]).expect(0);
+    assert_eq!(kept_pages(&folder, "an area, which fits are made with"), 0);
+}
+
+#[test]
 fn values_kept_for_the_next_report_are_taken_only_as_they_were_written() {
     let folder = campaign();
     let _ = folder.ieap(&["run", "--no-diagnose"]).expect(0);

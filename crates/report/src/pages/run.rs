@@ -71,7 +71,7 @@ pub struct RunSection {
     pub parameters: Vec<Number>,
     /// What it says without a model, and of its cycles.
     #[serde(skip)]
-    without_model: Vec<Block>,
+    pub without_model: Vec<Block>,
     /// What the diagnosis says of the run alone.
     #[serde(skip)]
     alone: Option<String>,
@@ -247,13 +247,7 @@ pub fn section(site: &Site, run: usize) -> RunSection {
         parameters: record.fit.as_ref().map_or_else(Vec::new, |fit| {
             fits::parameters(&site.input.doubts, &record.path, fit)
         }),
-        without_model: [
-            site.model_free(run).map(fits::model_free),
-            site.cycles(run).map(fits::cycles),
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
+        without_model: site.cycles(run).map(fits::cycles).into_iter().collect(),
         fit: record
             .fit
             .as_ref()

@@ -10,7 +10,7 @@ use super::Content;
 use super::run::{DrawnRun, RunSection, note_fact, section};
 use super::run_condition::own_condition;
 use super::run_evidence::{ChannelText, Fact, channels};
-use super::run_fit::r_squared;
+use super::run_fit::{model_free, r_squared};
 use super::run_overlay::{Overlay, overlay};
 use super::run_tables::{ParametersTable, parameters_table, runs_table};
 use super::run_tags::{TagGroup, TagText, grouped, tags, take_common};
@@ -21,8 +21,9 @@ use crate::fault::{guarded, reason_of};
 use crate::pages::policy::MOST_BESIDE;
 use crate::site::Site;
 use ieap_analysis::conditions::material;
+use ieap_analysis::model_free::ModelFree;
 use ieap_domain::{Fault, Issue, RunRecord, Severity};
-use ieap_show::{Block, Table};
+use ieap_show::Block;
 
 /// A run with more channels than this names each with its range, and not among what all runs share.
 const FEW_CHANNELS: usize = 6;
@@ -52,15 +53,14 @@ struct Page {
 }
 
 /// What the site says of a page of runs, without their curves. The page follows from it and the curves alone, so that one
-/// that stands is right as long as both are what they were.
+/// that stands is right as long as both are what they were. Tables that follow from it are no part: they are made with the
+/// page, and of most pages that is never.
 #[derive(Debug)]
 pub struct Outline<'a> {
     title: String,
     lead: String,
     before: Option<RunLink>,
     next: Option<RunLink>,
-    table: Option<Table>,
-    parameters: Option<ParametersTable>,
     beside: Vec<RunLink>,
     runs: Vec<RunOutline<'a>>,
 }
@@ -74,6 +74,8 @@ struct RunOutline<'a> {
     href: String,
     condition: String,
     tags: Vec<TagText>,
+    /// What it says without a model.
+    model_free: Option<&'a ModelFree>,
     /// What is known of it, or the fault that it cannot be said for.
     section: Result<RunSection, String>,
 }
@@ -84,17 +86,13 @@ impl<'a> Outline<'a> {
     /// # Errors
     /// [`ReportError`]: a fault of the program.
     pub fn of(site: &'a Site, page: usize) -> Result<Outline<'a>, ReportError> {
-        let runs = &site.run_pages[page].runs;
-        let several = runs.len() > 1;
-        let own: Result<Vec<RunOutline>, ReportError> =
-            runs.iter().map(|&run| run_outline(site, run)).collect();
+        let runs = site.run_pages[page].runs.iter();
+        let own: Result<Vec<RunOutline>, ReportError> = runs.map(|&run| run_outline(site, run)).collect();
         Ok(Outline {
             title: site.run_page_title(page),
             lead: lead(site, page),
             before: (page > 0).then(|| part(site, page, page - 1)).flatten(),
             next: part(site, page, page + 1),
-            table: several.then(|| runs_table(site, runs)),
-            parameters: several.then(|| parameters_table(site, runs)).flatten(),
             beside: beside(site, page),
             runs: own?,
         })
@@ -114,6 +112,7 @@ fn run_outline<'a>(site: &'a Site, run: usize) -> Result<RunOutline<'a>, ReportE
         href: site.run_href(run),
         condition: own_condition(site, run),
         tags: tags(record, &site.zone()),
+        model_free: site.model_free(run),
         section,
     })
 }
@@ -158,6 +157,7 @@ pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Resul
     } else {
         None
     };
+    let indices: Vec<usize> = drawn.iter().map(|own| own.run).collect();
     let mut page = Page {
         title: outline.title,
         lead: outline.lead,
@@ -167,7 +167,7 @@ pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Resul
         next: outline.next,
         diagnosis: None,
         table: Vec::new(),
-        parameters: outline.parameters,
+        parameters: several.then(|| parameters_table(site, &indices)).flatten(),
         overlay,
         drawn: String::new(),
         runs: sections,
@@ -182,7 +182,7 @@ pub fn drawn_content(site: &Site, outline: Outline, drawn: &[DrawnRun]) -> Resul
     }
     page.runs.iter_mut().for_each(RunSection::tell_notes);
     let mut writer = Writer::new(site, 2, &mut figures);
-    let table = outline.table.map(Block::Table);
+    let table = several.then(|| Block::Table(runs_table(site, &indices)));
     writer.write(table.map(|table| Block::part("Runs", vec![table])))?;
     page.table = writer.taken();
     let mut writer = Writer::new(site, page.level, &mut figures);
@@ -204,7 +204,10 @@ fn drawn_section(
     figures: &mut BTreeMap<String, String>,
 ) -> Result<RunSection, ReportError> {
     let mut section = section.map_err(ReportError::Fault)?;
-    guarded(|| section.draw(site, place, own.record, drawn, figures))?;
+    guarded(|| {
+        section.without_model.splice(0..0, own.model_free.map(model_free));
+        section.draw(site, place, own.record, drawn, figures)
+    })?;
     Ok(section)
 }
 
