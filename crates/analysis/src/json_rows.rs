@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use ieap_show::{FrameCells, FrameColumn, Printed};
-use serde_json::{Map, Number, Value};
+use serde_json::{Map, Value};
 
 /// Words of a list: JSON in files, with `between` them for people.
 pub fn list<S: AsRef<str>>(words: &[S], between: &str) -> Printed<String> {
@@ -31,32 +31,32 @@ pub fn rows(table: &[FrameColumn], flag: fn(bool) -> Value) -> impl Iterator<Ite
 
 /// The same as they are written, for whoever only hands them on; yes and no are `flags` of them, for a database has 1 and 0.
 pub fn texts(table: &[FrameColumn], flags: [&'static str; 2]) -> impl Iterator<Item = String> {
-    let quoted = |text: &str| Value::from(text).to_string();
-    let number = |number: f64| Number::from_f64(number).map_or(NULL.to_owned(), |number| number.to_string());
-    let cell = move |cells: &FrameCells, row: usize| match cells {
-        FrameCells::Texts(cells) => cells[row].as_deref().map(quoted),
-        FrameCells::Numbers(cells) => cells[row].map(number),
-        FrameCells::Counts(cells) => cells[row].map(|count| count.to_string()),
-        FrameCells::Flags(cells) => cells[row].map(|is_so| flags[usize::from(is_so)].to_owned()),
-    };
-    let keys: Vec<String> = table.iter().map(|column| quoted(&column.name)).collect();
+    let key = |column: &FrameColumn| format!("{}:", Value::from(column.name.as_str()));
+    let keys: Vec<String> = table.iter().map(key).collect();
     let height = table.first().map_or(0, |column| column.cells.len());
     (0..height).map(move |row| {
-        let mut text = String::from("{");
+        let mut text = vec![b'{'];
         for (column, key) in table.iter().zip(&keys) {
             if text.len() > 1 {
-                text.push(',');
+                text.push(b',');
             }
-            text.push_str(key);
-            text.push(':');
-            text.push_str(cell(&column.cells, row).as_deref().unwrap_or(NULL));
+            text.extend_from_slice(key.as_bytes());
+            // Writing into memory cannot fail.
+            let _ = match &column.cells {
+                FrameCells::Texts(cells) => serde_json::to_writer(&mut text, &cells[row]),
+                FrameCells::Numbers(cells) => serde_json::to_writer(&mut text, &cells[row]),
+                FrameCells::Counts(cells) => serde_json::to_writer(&mut text, &cells[row]),
+                FrameCells::Flags(cells) => {
+                    let flag = cells[row].map_or("null", |is_so| flags[usize::from(is_so)]);
+                    text.extend_from_slice(flag.as_bytes());
+                    Ok(())
+                }
+            };
         }
-        text.push('}');
-        text
+        text.push(b'}');
+        String::from_utf8(text).unwrap_or_default()
     })
 }
-
-const NULL: &str = "null";
 
 /// Writes `table` to `out` as an array, one row a line, as pandas and DuckDB read it.
 ///
