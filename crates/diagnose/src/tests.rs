@@ -1,6 +1,7 @@
 //! Groups with known truth, and what each part of a diagnosis makes of them.
 
 mod causes;
+mod climate;
 mod edge_responses;
 mod laboratory;
 mod missing;

@@ -2,6 +2,7 @@
 //!
 //! How many evaluations a search has and at which fall it ends stands where it is made: that is method.
 
+use ieap_domain::ClimateQuantity;
 use ieap_domain::quantiles::CHI_SQUARE_95;
 
 /// How far a resistance or capacitance may be from its start, as logarithm: a factor of about 1,100. Chosen.
@@ -10,6 +11,17 @@ pub(super) const REACH: f64 = 7.0;
 pub(super) const HIDDEN_BRANCHES: [(f64, f64); 4] = [(10.0, 1.0), (10.0, 5.0), (0.1, 1.0), (0.1, 5.0)];
 /// Times that a group is fitted and looked at for outliers, each without those of the time before. Chosen.
 pub(super) const OUTLIER_ROUNDS: usize = 3;
+
+/// Least width over which a strip's answer to what surrounds it turns, in the unit of the quantity: sorption isotherms and rates of
+/// ionomers are smooth over 10 % of relative humidity and 10 °C, and over a tenth of the pressure of the air; of traces of gases over
+/// half of the largest value. Chosen.
+pub(super) fn least_width(quantity: ClimateQuantity, largest: f64) -> f64 {
+    match quantity {
+        ClimateQuantity::RelativeHumidity | ClimateQuantity::Temperature => 10.0,
+        ClimateQuantity::Pressure => 1e4,
+        _ => 0.5 * largest,
+    }
+}
 
 /// Rise of the sum of squares at the ends of a 95 % interval: chi-square of one degree of freedom.
 pub(super) const RISE_95: f64 = CHI_SQUARE_95[0];

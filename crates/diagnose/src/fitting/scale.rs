@@ -1,10 +1,12 @@
 //! Sizes of the data and of a fitted model.
 
+use ieap_domain::{ClimateQuantity, range_of};
 use ieap_model::effects::Scale;
 use ieap_numerics::sums::peak;
 
+use crate::fitting::policy::least_width;
 use crate::fitting::problem::ExtendedProblem;
-use crate::readings::group::RunGroup;
+use crate::readings::group::{GroupRun, RunGroup};
 
 /// Sizes of the data and of the base model, from which limits of effects follow.
 pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> Scale {
@@ -24,6 +26,13 @@ pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> 
         current_a: 0.0,
         curvature_per_cm: 0.0,
         charge_c: 0.0,
+        edges: group
+            .runs
+            .iter()
+            .map(|run| run.drive().segments.len())
+            .max()
+            .unwrap_or(0),
+        logged: logged(group),
     };
     for (index, run) in group.runs.iter().enumerate() {
         let [current_a, curvature_per_cm] = run.fitted(&model, &run.context(index, None));
@@ -41,4 +50,25 @@ pub(crate) fn scale(group: &RunGroup, problem: &ExtendedProblem, at: &[f64]) -> 
     }
     scale.charge_c = scale.capacitance_f_per_cm2() * scale.voltage_v * scale.area_cm2;
     scale
+}
+
+/// What sensors logged of the air in every run, from its lowest to its highest value while runs went on; but a strip's answer turns
+/// within no less than the least width.
+fn logged(group: &RunGroup) -> Vec<(ClimateQuantity, f64, f64)> {
+    let of_run = |(index, run): (usize, &GroupRun), quantity| {
+        let context = run.context(index, None);
+        let (time_s, values) = context.logged(quantity)?.included();
+        let reading = time_s.iter().zip(values.iter());
+        let during = reading.filter(|(t, _)| (context.start_s()..=run.duration_s).contains(t));
+        let (low, high) = range_of(during.map(|(_, value)| *value));
+        (low <= high).then_some([low, high])
+    };
+    let of = |quantity: ClimateQuantity| {
+        let runs = group.runs.iter().enumerate();
+        let each: Option<Vec<[f64; 2]>> = runs.map(|run| of_run(run, quantity)).collect();
+        let (low, high) = range_of(each?.into_iter().flatten());
+        let wider = 0.5 * (least_width(quantity, high) - (high - low)).max(0.0);
+        (high > low).then_some((quantity, low - wider, high + wider))
+    };
+    ClimateQuantity::MEASURED.into_iter().filter_map(of).collect()
 }

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 
+/// Part of the square of columns by which those of one law may differ.
+const ALIKE: f64 = 1e-6;
 /// Part of the probe's weight at which a column is taken.
 const SMALL: f64 = 0.1;
 
@@ -35,7 +37,8 @@ impl LawColumns {
 }
 
 /// The columns of all laws beside a model, but for those that it has. Laws that are one function on the group's drives are one:
-/// under voltages of one sign, of the voltage and of its size.
+/// under voltages of one sign, of the voltage and of its size; under one edge a run, of the time and of that since an edge; where
+/// the voltage never falls, of it and of the largest so far.
 pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> Vec<LawColumns> {
     let has = |law: &SmoothLaw| {
         problem
@@ -45,10 +48,36 @@ pub(crate) fn columns(problem: &ExtendedProblem, at: &[f64], scale: &Scale) -> V
     };
     let levels = problem.group.runs.iter().flat_map(|run| run.drive().levels());
     let (low, high) = range_of(levels.filter_map(|(_, volts)| volts));
-    let is_one = |law: &SmoothLaw| low * high >= 0.0 && law.is_by_size_among(&SMOOTH_LAWS);
+    let mut drives = problem.group.runs.iter().map(|run| run.drive());
+    let are_steps = drives.all(|drive| drive.segments.len() < 2 || drive.moves());
+    let is_one = |law: &SmoothLaw| {
+        let is_told_by_another = are_steps && law.needs_edges();
+        is_told_by_another || low * high >= 0.0 && !law.needs_edges() && law.is_by_size_among(&SMOOTH_LAWS)
+    };
     let all = SMOOTH_LAWS.iter().copied();
     let laws: Vec<&'static SmoothLaw> = all.filter(|law| !has(law) && !is_one(law)).collect();
-    columns_of(&laws, problem, at, scale)
+    let mut found = columns_of(&laws, problem, at, scale);
+    let is_other = |own: &LawColumns, other: &LawColumns| {
+        own.law.is_by_size_among(&[other.law]) && are_alike(&own.columns, &other.columns)
+    };
+    let twins: Vec<bool> = (found.iter())
+        .map(|own| own.law.needs_edges() && found.iter().any(|other| is_other(own, other)))
+        .collect();
+    let mut twins = twins.into_iter();
+    found.retain(|_| !twins.next().unwrap_or(false));
+    found
+}
+
+/// Whether no reading tells two laws apart: what differs is the rounding of steps.
+fn are_alike(own: &[Vec<f64>], other: &[Vec<f64>]) -> bool {
+    let apart = |own: &[f64], other: &[f64]| own.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+    let of = |pair: (&Vec<f64>, &Vec<f64>)| (apart(pair.0, pair.1), dot(pair.1, pair.1));
+    let (apart, whole) = own
+        .iter()
+        .zip(other)
+        .map(of)
+        .fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+    apart <= ALIKE * whole
 }
 
 /// The columns of these laws.

@@ -1,5 +1,6 @@
 //! The runs that are diagnosed together, with their noise.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use ieap_domain::{Drive, Quantity};
@@ -349,6 +350,13 @@ impl<'a> RunGroup<'a> {
         self.blocks.last().map_or(0, |block| block.end)
     }
 
+    /// The rows of one run.
+    pub(crate) fn rows_of(&self, run: usize) -> Range<usize> {
+        let mut own = self.blocks.iter().filter(|block| block.run == run);
+        let first = own.next().map_or(0..0, |block| block.first..block.end);
+        own.fold(first, |rows, block| rows.start..block.end)
+    }
+
     /// Takes what is not known of each run out of whitened rows of all of them.
     pub(crate) fn take_out(&self, rows: &mut [f64]) {
         for (run, rows) in self.runs.iter().zip(self.by_run(rows)) {
@@ -544,6 +552,7 @@ impl<'a> GroupRun<'a> {
             duration_s: self.duration_s,
             resolved_s,
             tags: self.given.tags,
+            channels: self.given.input.channels,
         }
     }
 

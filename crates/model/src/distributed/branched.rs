@@ -321,6 +321,7 @@ mod tests {
             duration_s: 60.0,
             resolved_s: None,
             tags: &[],
+            channels: &[],
         };
         let extended = ExtendedModel {
             base: model.clone(),

@@ -1,5 +1,7 @@
 //! Where an effect is sought in given data.
 
+use ieap_domain::ClimateQuantity;
+
 use crate::LumpedModel;
 
 /// Sizes of the data and of the base model fitted to them, from which limits follow.
@@ -23,12 +25,22 @@ pub struct Scale {
     pub curvature_per_cm: f64,
     /// Largest charge that the base model stores, C.
     pub charge_c: f64,
+    /// Changes of the voltage in the run with most of them.
+    pub edges: usize,
+    /// What sensors logged in every run: lowest and highest value, in the unit of the quantity.
+    pub logged: Vec<(ClimateQuantity, f64, f64)>,
 }
 
 impl Scale {
     /// Longest run, s.
     pub fn longest_s(&self) -> f64 {
         self.durations_s.iter().copied().fold(self.shortest_s, f64::max)
+    }
+
+    /// Lowest and highest value of what was logged; the same where it was not in every run.
+    pub fn logged_over(&self, quantity: ClimateQuantity) -> (f64, f64) {
+        let own = self.logged.iter().find(|(own, _, _)| *own == quantity);
+        own.map_or((0.0, 0.0), |(_, low, high)| (*low, *high))
     }
 
     /// Capacitance of all branches, F/cm2.

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::extended::tests::{base, context, drive};
 use crate::extended::{ExtendedModel, Responses};
-use ieap_domain::Drive;
+use ieap_domain::{Channel, ClimateQuantity, Drive, Quantity};
 
 /// Responses of the tests' base with effects: ids, variants, parameters.
 pub(super) fn respond(
@@ -58,6 +58,27 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, v| most.max(v.abs()))
 }
 
+/// What sensors beside the strip read: waves between these ends.
+const LOGGED: (f64, f64) = (20.0, 60.0);
+
+pub(super) fn logged() -> Vec<Channel> {
+    let wave = |t: &f64| 40.0 + 20.0 * (t / 40.0).sin();
+    let of = |quantity| {
+        let time_s = times(300);
+        let values: Vec<f64> = time_s.iter().map(wave).collect();
+        Channel::new(quantity, time_s.into(), values.into())
+    };
+    [
+        Quantity::RelativeHumidity,
+        Quantity::Temperature,
+        Quantity::Pressure,
+        Quantity::Oxygen,
+        Quantity::Water,
+    ]
+    .map(of)
+    .to_vec()
+}
+
 /// Sizes of what the base gives under these drives.
 pub(super) fn scale() -> Scale {
     let time_s = times(600);
@@ -77,6 +98,17 @@ pub(super) fn scale() -> Scale {
         current_a,
         curvature_per_cm,
         charge_c: 0.1 * 0.7 * 2.0,
+        edges: 30,
+        logged: logged()
+            .iter()
+            .map(|own| {
+                (
+                    ClimateQuantity::measured(own.quantity).unwrap(),
+                    LOGGED.0,
+                    LOGGED.1,
+                )
+            })
+            .collect(),
     }
 }
 

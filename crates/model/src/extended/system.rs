@@ -1,7 +1,7 @@
 //! What an extended model is made of: the places where an effect may act.
 
 use crate::LumpedModel;
-use ieap_domain::Drive;
+use ieap_domain::{Channel, ClimateQuantity, Drive};
 
 /// Place of a run among the values of a tag, for the effect that follows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,9 +31,19 @@ pub struct RunContext<'a> {
     pub resolved_s: Option<f64>,
     /// Where the run lies among the values of tags that differ in its group.
     pub tags: &'a [TagAt],
+    /// What was read beside its response: of the air, where a sensor logged it.
+    pub channels: &'a [Channel],
 }
 
-impl RunContext<'_> {
+impl<'a> RunContext<'a> {
+    /// What a sensor read of the air while the run went on, on its clock.
+    pub fn logged(&self, quantity: ClimateQuantity) -> Option<&'a Channel> {
+        let is_it = |own: &&Channel| {
+            ClimateQuantity::measured(own.quantity) == Some(quantity) && own.is_whole(own.quantity)
+        };
+        self.channels.iter().find(is_it)
+    }
+
     /// Start of the first segment: the origin of the run's clock, s.
     pub fn start_s(&self) -> f64 {
         self.drive

@@ -28,6 +28,7 @@ pub(crate) fn context(drive: &Drive) -> RunContext<'_> {
         duration_s: 300.0,
         resolved_s: None,
         tags: &[],
+        channels: &[],
     }
 }
 

@@ -43,6 +43,14 @@ pub enum ScalingError {
         "laws that were found beside the model are known of that strip, all along it and in one humidity: ask for the strip itself"
     )]
     LawsElsewhere,
+    /// A law follows what sensors logged, of which the drive says nothing.
+    #[error(
+        "a law that was found beside the model follows the {quantity} that was logged during the runs, and nothing says what it will be: fit without that law to predict"
+    )]
+    LawOfClimate {
+        /// What it follows.
+        quantity: String,
+    },
     /// The covariance belongs to other parameters.
     #[error("the covariance has {found} entries; {parameters} parameters need {needed}")]
     CovarianceSize {

@@ -8,6 +8,7 @@ use crate::distributed::branched::BranchedStrip;
 use crate::distributed::criterion::LUMPED_TOLERANCE;
 use crate::distributed::{Laminate, LumpedError};
 use crate::effects::Applied;
+use crate::effects::smooth_laws::smooth_law;
 use crate::geometry::Shape;
 use crate::lumped::{Branch, LumpedModel};
 use ieap_domain::Drive;
@@ -95,6 +96,11 @@ pub fn predict(
     let is_plain = electrodes.is_none() && identified.changes.is_empty() && identified.size == to;
     if !identified.laws.is_empty() && !is_plain {
         return Err(ScalingError::LawsElsewhere);
+    }
+    let of_climate = |own: &Applied| smooth_law(own.effect.about().id)?.logged();
+    if let Some(quantity) = identified.laws.iter().find_map(of_climate) {
+        let quantity = quantity.label().to_lowercase();
+        return Err(ScalingError::LawOfClimate { quantity });
     }
     let asked = Asked {
         electrodes,

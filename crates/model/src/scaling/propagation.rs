@@ -155,6 +155,7 @@ pub(super) fn extended(
         duration_s: current_s.iter().chain(curvature_s).copied().fold(0.0, f64::max),
         resolved_s: None,
         tags: &[],
+        channels: &[],
     };
     let model = ExtendedModel {
         base: model.clone(),

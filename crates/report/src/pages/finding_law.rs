@@ -8,7 +8,7 @@ use crate::figures::axis::Axis;
 use crate::figures::law::{Beside, Curve, law_panel};
 use ieap_domain::finding_words::short_name;
 use ieap_domain::number::significant;
-use ieap_domain::{Account, GroupDiagnosis, LawCurve, MissingLaw, range_of};
+use ieap_domain::{Account, ClimateQuantity, GroupDiagnosis, LawCurve, MissingLaw, range_of};
 use ieap_show::Block;
 
 /// A part of the account, as a piece of one bar.
@@ -143,11 +143,13 @@ fn axis_words(variable: &str) -> (&'static str, &'static str) {
         "time_s" => ("Time since the start", "s"),
         "time_since_edge_s" => ("Time since the voltage changed", "s"),
         "voltage_v" => ("Voltage", "V"),
+        "largest_voltage_v" => ("Largest voltage so far", "V"),
+        "edges" => ("Changes of the voltage so far", ""),
         "charge_c_per_cm2" => ("Charge", "C/cm²"),
         "curvature_per_cm" => ("Curvature", "1/cm"),
-        "current_a_per_cm2" => ("Size of the current", "A/cm²"),
+        "current_a_per_cm2" => ("Current", "A/cm²"),
         "heat" => ("Power, mean of late", "W/cm²"),
         "flow" => ("Current, mean of late", "A/cm²"),
-        _ => ("Variable", ""),
+        other => ClimateQuantity::from_key(other).map_or(("Variable", ""), |own| (own.label(), own.unit())),
     }
 }

@@ -59,7 +59,7 @@ impl HeldOut {
 /// voltage, and of a law of the voltage on its other side too. Times of a single run are all within it.
 pub(crate) fn between(group: &RunGroup, variable: Option<&str>) -> Vec<bool> {
     let reach = |run: usize| match variable {
-        Some("time_s" | "time_since_edge_s" | "time_constant_s") => group.runs[run].duration_s,
+        Some("time_s" | "time_since_edge_s" | "time_constant_s" | "edges") => group.runs[run].duration_s,
         _ => group.runs[run].drive().largest_v().abs(),
     };
     let of_drive = |out: &Vec<usize>| {

@@ -1,5 +1,8 @@
 //! What a law follows: a variable of the run, and bells over it.
 
+use ieap_domain::ClimateQuantity;
+
+use super::course::Course;
 use crate::effects::Scale;
 use crate::extended::Now;
 
@@ -25,8 +28,14 @@ pub(super) enum Axis {
     /// Curvature, or its size, 1/cm.
     Curvature,
     CurvatureSize,
-    /// Size of the current, A/cm2.
+    /// Current, or its size, A/cm2.
+    Current,
     CurrentSize,
+    /// Changes of the voltage so far; the largest voltage so far, whatever its sign, V.
+    Edges,
+    Largest,
+    /// What a sensor beside the strip read, late by so large a part of the longest record: a strip takes time to take up water.
+    Logged(ClimateQuantity, f64),
     /// Power, current, or its size, remembered for so large a part of the longest record.
     Power(f64),
     Flow(f64),
@@ -58,12 +67,18 @@ impl Axis {
                 (soon_s.ln(), (longest_s + soon_s).ln(), soon_s)
             }
             Axis::Voltage | Axis::OwnVoltage => about(scale.voltage_v),
-            Axis::VoltageSize => (0.0, scale.voltage_v, 0.0),
+            Axis::Edges => (0.0, scale.edges as f64, 0.0),
+            Axis::VoltageSize | Axis::Largest => (0.0, scale.voltage_v, 0.0),
             Axis::Charge => about(scale.charge_c / scale.area_cm2),
             Axis::ChargeSize => (0.0, scale.charge_c / scale.area_cm2, 0.0),
             Axis::Curvature => about(scale.curvature_per_cm),
             Axis::CurvatureSize => (0.0, scale.curvature_per_cm, 0.0),
+            Axis::Current => about(density),
             Axis::CurrentSize => (0.0, density, 0.0),
+            Axis::Logged(quantity, part) => {
+                let (low, high) = scale.logged_over(quantity);
+                (low, high, part * longest_s)
+            }
             Axis::Power(part) => (0.0, flow(part) * scale.voltage_v, part * longest_s),
             Axis::Flow(part) => (-flow(part), flow(part), part * longest_s),
             Axis::FlowSize(part) => (0.0, flow(part), part * longest_s),
@@ -71,13 +86,18 @@ impl Axis {
         }
     }
 
-    /// The same by its size, where both are one as long as the voltage has one sign.
+    /// The same by its size, where both are one as long as the voltage has one sign, or never falls.
     pub(super) fn by_size(self) -> Option<Axis> {
         match self {
-            Axis::Voltage => Some(Axis::VoltageSize),
+            Axis::Voltage | Axis::Largest => Some(Axis::VoltageSize),
             Axis::Charge => Some(Axis::ChargeSize),
             _ => None,
         }
+    }
+
+    /// Whether under one edge a run it is the time, or nothing.
+    pub(super) fn is_of_edges(self) -> bool {
+        matches!(self, Axis::SinceEdge | Axis::Edges | Axis::Largest)
     }
 
     /// Name in ids.
@@ -94,7 +114,12 @@ impl Axis {
             Axis::ChargeSize => "charge-size".to_owned(),
             Axis::Curvature => "curvature".to_owned(),
             Axis::CurvatureSize => "curvature-size".to_owned(),
+            Axis::Edges => "edges".to_owned(),
+            Axis::Largest => "largest-voltage".to_owned(),
+            Axis::Current => "current".to_owned(),
             Axis::CurrentSize => "current-size".to_owned(),
+            Axis::Logged(quantity, 0.0) => quantity.key().replace('_', "-"),
+            Axis::Logged(quantity, part) => format!("{}-{}", quantity.key().replace('_', "-"), parts(part)),
             Axis::Power(part) => format!("heat-{}", parts(part)),
             Axis::Flow(part) => format!("flow-{}", parts(part)),
             Axis::FlowSize(part) => format!("flow-size-{}", parts(part)),
@@ -128,11 +153,12 @@ impl Axis {
             Axis::SinceEdge => (now.since_edge_s.max(0.0) + time_s).ln(),
             Axis::Voltage => now.source_v,
             Axis::VoltageSize => now.source_v.abs(),
-            Axis::OwnVoltage | Axis::Elements => 0.0,
+            Axis::OwnVoltage | Axis::Elements | Axis::Edges | Axis::Largest | Axis::Logged(..) => 0.0,
             Axis::Charge => now.charge_c_per_cm2,
             Axis::ChargeSize => now.charge_c_per_cm2.abs(),
             Axis::Curvature => now.curvature_per_cm,
             Axis::CurvatureSize => now.curvature_per_cm.abs(),
+            Axis::Current => now.current_a_per_cm2,
             Axis::CurrentSize => now.current_a_per_cm2.abs(),
             Axis::Power(_) | Axis::Flow(_) | Axis::FlowSize(_) => memory,
         }
@@ -146,6 +172,8 @@ pub(super) struct Curve {
     pub(super) axis: Axis,
     pub(super) ends: (f64, f64),
     pub(super) time_s: f64,
+    /// The course of its variable, where the drive or a sensor tells it ahead.
+    pub(super) course: Option<Course>,
 }
 
 impl Curve {
@@ -156,7 +184,7 @@ impl Curve {
         let step = (high - low) / (bells - 1) as f64;
         let x = x.clamp(low, high);
         let bell = |k: usize| (-0.5 * ((x - low - step * k as f64) / (WIDTH * step)).powi(2)).exp();
-        let line = if low < 0.0 {
+        let line = if low == -high {
             x / high
         } else {
             (x - low) / (high - low)
@@ -172,7 +200,8 @@ impl Curve {
 
     /// Its value now; see [`Axis::of`] for `memory`.
     pub(super) fn now(&self, now: &Now, memory: f64) -> f64 {
-        self.at(self.axis.of(now, memory, self.time_s))
+        let ahead = self.course.as_ref().map(|course| course.at(now.clock_s));
+        self.at(ahead.unwrap_or_else(|| self.axis.of(now, memory, self.time_s)))
     }
 
     /// So many places over its variable, in the variable's own unit, with the value at each.

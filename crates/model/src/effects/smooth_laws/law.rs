@@ -1,10 +1,12 @@
 //! A law as an effect.
 
 use super::axis::{Axis, Curve, WEIGHTS};
+use super::course::Course;
 use super::part::Part;
 use super::shapes::{Textbook, simple};
 use crate::effects::{About, Effect, EffectParameter, Limits, Scale, Search, Site};
 use crate::extended::{RunContext, System};
+use ieap_domain::ClimateQuantity;
 
 /// Where something is missing: a law of the model, and what it follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -92,13 +94,27 @@ impl SmoothLaw {
         }
     }
 
-    /// Whether it is one of these laws, by the size of its variable, where the voltage has one sign.
+    /// Whether it is one of these laws, by the size of its variable, where the voltage has one sign, or never falls.
     pub fn is_by_size_among(&self, laws: &[&SmoothLaw]) -> bool {
         let sized = self.axis.by_size();
         let is_twin = |other: &&SmoothLaw| {
-            (other.place, other.part) == (self.place, self.part) && Some(other.axis) == sized
+            let (own, theirs) = (self.place, other.place);
+            (theirs.law, theirs.of, other.part) == (own.law, own.of, self.part) && Some(other.axis) == sized
         };
         laws.iter().any(is_twin)
+    }
+
+    /// Whether it follows what one edge a run says nothing of: the time since an edge is the time there.
+    pub fn needs_edges(&self) -> bool {
+        self.axis.is_of_edges()
+    }
+
+    /// What it follows of what sensors beside the strip read; it says nothing of a run without such readings.
+    pub fn logged(&self) -> Option<ClimateQuantity> {
+        match self.axis {
+            Axis::Logged(quantity, _) => Some(quantity),
+            _ => None,
+        }
     }
 
     /// Weights that it has.
@@ -123,7 +139,7 @@ impl SmoothLaw {
     pub fn simple(&self, parameters: &[f64], without: &[Textbook]) -> Vec<&'static [f64]> {
         let (low, high) = (parameters[WEIGHTS], parameters[WEIGHTS + 1]);
         let is_signed = low == -high;
-        if self.weights() < WEIGHTS || low < 0.0 && !is_signed {
+        if self.weights() < WEIGHTS {
             return Vec::new();
         }
         simple(self.axis, is_signed, without)
@@ -136,6 +152,7 @@ impl SmoothLaw {
             axis: self.axis,
             ends: (held[0], held[1]),
             time_s: held[2],
+            course: None,
         }
     }
 }
@@ -167,10 +184,17 @@ impl Effect for SmoothLaw {
         }
     }
 
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
-        if parameters[..self.weights()].iter().any(|weight| *weight != 0.0) {
-            self.part
-                .act_on(system, self.function(parameters), parameters[WEIGHTS + 3]);
+    fn apply(&self, _variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
+        if parameters[..self.weights()].iter().all(|weight| *weight == 0.0) {
+            return;
         }
+        let mut function = self.function(parameters);
+        function.course = match self.axis {
+            Axis::Logged(quantity, _) => Course::logged(run, quantity, function.time_s),
+            Axis::Edges => Some(Course::of_edges(run, |_, before| before + 1.0)),
+            Axis::Largest => Some(Course::of_edges(run, |volts, before| volts.abs().max(before))),
+            _ => None,
+        };
+        self.part.act_on(system, function, parameters[WEIGHTS + 3]);
     }
 }

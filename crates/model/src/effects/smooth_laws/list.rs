@@ -6,23 +6,37 @@ use super::axis::Axis;
 use super::law::{Place, SmoothLaw};
 use super::part::Part;
 use crate::effects::{Effect, Site};
+use ieap_domain::ClimateQuantity;
 use ieap_domain::diagnosis::LAW;
 
 /// Parts of the longest record for which a variable is remembered.
 const MEMORIES: [f64; 3] = [1.0 / 120.0, 1.0 / 30.0, 1.0 / 8.0];
 
 /// Every variable that a run has at each instant, by its sign and by its size where both are asked.
-const VARIABLES: [Axis; 9] = [
+const VARIABLES: [Axis; 13] = [
     Axis::Time,
     Axis::LogTime,
+    Axis::SinceEdge,
+    Axis::Edges,
+    Axis::Largest,
     Axis::Voltage,
     Axis::VoltageSize,
     Axis::Charge,
     Axis::ChargeSize,
     Axis::Curvature,
     Axis::CurvatureSize,
+    Axis::Current,
     Axis::CurrentSize,
 ];
+
+/// Parts of the longest record by which a strip may follow the air late.
+const LATE: [f64; 3] = [0.0, MEMORIES[1], MEMORIES[2]];
+
+/// Every variable that sensors beside the strip may read.
+fn logged() -> Vec<Axis> {
+    let late = |quantity| LATE.map(|part| Axis::Logged(quantity, part));
+    ClimateQuantity::MEASURED.into_iter().flat_map(late).collect()
+}
 
 /// Parts that follow every variable: law, what of several has it, and the part.
 const FOLLOWING: [(Site, &str, &str, Part); 9] = [
@@ -65,10 +79,13 @@ fn variable(part: Part, axis: Axis) -> &'static str {
         (Part::Play, _) => "curvature_per_cm",
         (_, Axis::Time | Axis::LogTime) => "time_s",
         (_, Axis::SinceEdge) => "time_since_edge_s",
+        (_, Axis::Edges) => "edges",
+        (_, Axis::Largest) => "largest_voltage_v",
         (_, Axis::Voltage | Axis::VoltageSize | Axis::OwnVoltage) => "voltage_v",
         (_, Axis::Charge | Axis::ChargeSize) => "charge_c_per_cm2",
         (_, Axis::Curvature | Axis::CurvatureSize) => "curvature_per_cm",
-        (_, Axis::CurrentSize) => "current_a_per_cm2",
+        (_, Axis::Current | Axis::CurrentSize) => "current_a_per_cm2",
+        (_, Axis::Logged(quantity, _)) => quantity.key(),
         (_, Axis::Power(_)) => "heat",
         (_, Axis::Flow(_) | Axis::FlowSize(_)) => "flow",
         (_, Axis::Elements) => "time_constant_s",
@@ -90,7 +107,6 @@ fn others() -> Vec<(Site, &'static str, &'static str, Part, Axis)> {
         }
     }
     found.extend([
-        current("leak", "", Part::Leak, Axis::SinceEdge),
         current("time-scales", "", Part::Branches(true), Axis::Elements),
         current("time-scales", "silent", Part::Branches(false), Axis::Elements),
         current("source", "", Part::Drop, Axis::CurrentSize),
@@ -114,11 +130,22 @@ fn others() -> Vec<(Site, &'static str, &'static str, Part, Axis)> {
         bending("delay", Part::Late, Axis::Elements),
         bending("play", Part::Play, Axis::Time),
     ]);
+    found.extend(
+        logged()
+            .into_iter()
+            .map(|axis| bending("added-bending", Part::Added, axis)),
+    );
     found
 }
 
 fn laws() -> Vec<(Place, Part, Axis)> {
-    let every = |(site, law, of, part)| VARIABLES.map(|axis| (site, law, of, part, axis));
+    let variables = [VARIABLES.to_vec(), logged()].concat();
+    let every = |(site, law, of, part)| {
+        variables
+            .clone()
+            .into_iter()
+            .map(move |axis| (site, law, of, part, axis))
+    };
     let all = FOLLOWING.into_iter().flat_map(every).chain(others());
     let placed = |(site, law, of, part, axis)| {
         let place = Place {

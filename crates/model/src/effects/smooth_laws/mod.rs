@@ -4,6 +4,7 @@
 //! the weights of smooth bells over the variable, so that it is simulated, fitted and held out like any other.
 
 mod axis;
+mod course;
 mod law;
 mod list;
 mod part;
@@ -18,10 +19,10 @@ pub use shapes::{Shape, Textbook};
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::tests::{drives, scale, times};
+    use crate::effects::tests::{drives, logged, scale, times};
     use crate::effects::{Applied, Effect};
-    use crate::extended::ExtendedModel;
     use crate::extended::tests::{base, context, drive};
+    use crate::extended::{ExtendedModel, RunContext};
 
     fn responses(
         law: &'static SmoothLaw,
@@ -36,8 +37,12 @@ mod tests {
                 parameters: parameters.to_vec(),
             }],
         };
-        let drive = drive(levels);
-        let found = model.responses(&context(&drive), &times(300), &times(300));
+        let (drive, logged) = (drive(levels), logged());
+        let run = RunContext {
+            channels: &logged,
+            ..context(&drive)
+        };
+        let found = model.responses(&run, &times(300), &times(300));
         [found.current_a, found.curvature_per_cm]
     }
 

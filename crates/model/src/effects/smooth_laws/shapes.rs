@@ -131,6 +131,7 @@ fn weights(low: f64, curve: &dyn Fn(f64) -> f64) -> Vec<f64> {
         axis: Axis::Time,
         ends: (low, 1.0),
         time_s: 0.0,
+        course: None,
     };
     let bells: Vec<Vec<f64>> = (0..WEIGHTS)
         .map(|k| (0..POINTS).map(|p| one(k).at(place(p))).collect())
@@ -154,6 +155,7 @@ mod tests {
                 axis: Axis::Time,
                 ends: (low, 1.0),
                 time_s: 0.0,
+                course: None,
             };
             for (weights, expected) in [
                 (weights(low, &|x| x), 0.7),

@@ -2,7 +2,7 @@
 
 use super::super::propagation::{values, with_values};
 use super::*;
-use crate::effects::effect;
+use crate::effects::{Effect, effect};
 use ieap_domain::typed_value::Measured;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -254,4 +254,29 @@ fn a_strip_with_a_law_keeps_its_charge() {
     let added = with.current_a.value[last] - plain.current_a.value[last];
     let error = with.current_a.standard_error[last];
     assert!((0.08..0.2).contains(&(error / added)), "{error} of {added}");
+}
+
+/// Nothing says what the air will be under a drive that is asked for.
+#[test]
+fn a_law_of_the_logged_air_is_refused() {
+    let strip = size(5.0, 2.0, 0.0);
+    let law = smooth_law("law:leak:relative-humidity-percent").unwrap();
+    let parameters = vec![0.0; law.about().parameters.len()];
+    let n = 7 + parameters.len();
+    let laws = [Applied {
+        effect: law,
+        variant: 0,
+        parameters,
+    }];
+    let identified = Identified {
+        model: &cnaf(),
+        laws: &laws,
+        covariance: &vec![0.0; n * n],
+        size: &strip,
+        electrode_resistance_ohm_per_sq: None,
+        changes: &[],
+    };
+    let refused = predict(&identified, &strip, &Drive::step(1.0), &TIME_S).unwrap_err();
+    let text = refused.to_string();
+    assert!(text.contains("follows the relative humidity"), "{text}");
 }
