@@ -5,7 +5,7 @@ use ieap_model::effects::Site;
 use ieap_model::effects::smooth_laws::Place;
 
 /// Version of the procedure; a change makes earlier diagnoses out of date.
-pub const VERSION: u32 = 42;
+pub const VERSION: u32 = 43;
 
 /// How to diagnose.
 #[derive(Debug, Clone, Copy)]

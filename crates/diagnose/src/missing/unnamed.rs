@@ -2,12 +2,17 @@
 //!
 //! Where the true law is not in it, its nearest neighbour would be certain. Beside the laws stands an answer to the drive of
 //! any smooth course: random sums of relaxations after every edge, as the square or the cube of the voltage or growing with the
-//! clock, common to all runs or each run's own. An added current is stored, and then bends, or leaks.
+//! clock, common to all runs or each run's own. An added current is stored, and then bends, or leaks. Or a part of the model changes with
+//! something that was not asked: by a smooth function of the time in each run, of its own.
+
+use std::collections::BTreeMap;
 
 use ieap_model::LumpedModel;
 use ieap_model::effects::Site;
+use ieap_model::effects::smooth_laws::Place;
 use rayon::prelude::*;
 
+use super::columns::LawColumns;
 use super::evidence::evidence;
 use super::policy::{MOST_RELAXATIONS, RELAXATIONS};
 use crate::cause::evidence::{Column, Process, log_mean};
@@ -41,10 +46,11 @@ impl Unnamed {
     }
 }
 
-/// The same at both sites, beside a base model.
+/// The same at both sites, beside a base model; `laws` are those that are asked.
 pub(super) fn unnamed(
     group: &RunGroup,
     base: &LumpedModel,
+    laws: &[LawColumns],
     tangent: &Tangent,
     residuals: &[f64],
 ) -> Vec<Unnamed> {
@@ -57,12 +63,38 @@ pub(super) fn unnamed(
         let answers = stored
             .iter()
             .flat_map(|&bends| [Of::All, Of::Each].map(|of| Answer { site, bends, of }));
-        let process = |answer: Answer| Process::of(&answer.columns(group, base), tangent, residuals);
-        let answers: Vec<Process> = answers.map(process).filter(|own| !own.is_nothing()).collect();
+        let of_drive = answers.map(|answer| answer.columns(group, base));
+        let all: Vec<Vec<Column>> = of_drive.chain(of_parts(site, group, laws)).collect();
+        let process = |columns: Vec<Column>| Process::of(&columns, tangent, residuals);
+        let answers: Vec<Process> = all.into_par_iter().map(process).collect();
+        let answers: Vec<Process> = answers.into_iter().filter(|own| !own.is_nothing()).collect();
         (!answers.is_empty()).then_some(Unnamed { site, answers })
     };
     let sites = [Site::Current, Site::Bending];
     sites.into_par_iter().filter_map(of_site).collect()
+}
+
+/// Of each part of the model at a site, that it goes in each run by a function of its own of the time and of that since an edge: the
+/// columns of these laws, run by run.
+fn of_parts(site: Site, group: &RunGroup, laws: &[LawColumns]) -> Vec<Vec<Column>> {
+    let mut parts: BTreeMap<Place, Vec<Column>> = BTreeMap::new();
+    let is_of_time = |law: &&LawColumns| {
+        let place = law.law.place;
+        place.site == site && matches!(place.variable, "time_s" | "time_since_edge_s")
+    };
+    for law in laws.iter().filter(is_of_time) {
+        let part = Place {
+            variable: "",
+            ..law.law.place
+        };
+        let columns = parts.entry(part).or_default();
+        for run in 0..group.runs.len() {
+            let rows = group.rows_of(run);
+            let own = |column: &Vec<f64>| Column::of(vec![(rows.start, column[rows.clone()].to_vec())]);
+            columns.extend(law.columns.iter().map(own));
+        }
+    }
+    parts.into_values().collect()
 }
 
 /// What an answer is in proportion to.
@@ -142,20 +174,16 @@ impl Answer {
             Of::Each => (MOST_RELAXATIONS / group.runs.len().max(1)).clamp(2, RELAXATIONS),
         };
         let rates = scales.rates(count);
-        let first = |run: usize| {
-            group
-                .blocks
-                .iter()
-                .find(|block| block.run == run)
-                .map_or(0, |block| block.first)
-        };
         let piece = |run: usize, by: By, rate: f64| {
             let relaxing = Relaxing {
                 by,
                 rate,
                 scales: &scales,
             };
-            (first(run), self.rows(&group.runs[run], base, relaxing))
+            (
+                group.rows_of(run).start,
+                self.rows(&group.runs[run], base, relaxing),
+            )
         };
         let runs = || 0..group.runs.len();
         match self.of {

@@ -134,7 +134,13 @@ impl<'g> Asked<'_, 'g> {
 
     /// What follows the drive and is no law of the list.
     fn unnamed(&self, tangent: &Tangent) -> Vec<Weight<'g>> {
-        let found = unnamed(self.group, &self.current.base(), tangent, self.residuals);
+        let found = unnamed(
+            self.group,
+            &self.current.base(),
+            self.laws,
+            tangent,
+            self.residuals,
+        );
         let prior = (UNNAMED / found.len().max(1) as f64).ln();
         let weight = |own: Unnamed| Weight {
             says: Says::Unnamed,
