@@ -222,3 +222,74 @@ fn a_column_that_covers_half_of_a_run_is_not_its_climate() {
         said.message
     );
 }
+
+/// Relative humidity of a room since 09:00, percent.
+fn humidity(since_s: f64) -> f64 {
+    40.0 + 8.0 * (since_s / 12.0).sin()
+}
+
+/// What a logger in a room reads every ten seconds.
+fn log_of(humidity: impl Fn(f64) -> f64) -> String {
+    let mut log = String::from("Time,Temperature (°C),Relative Humidity (%)\n");
+    for k in 0..1_080 {
+        let (hour, minute) = (9 + k / 360, k % 360 / 6);
+        log += &format!(
+            "2026-01-10 {hour:02}:{minute:02}:{:02},21.0,{:.1}\n",
+            k % 6 * 10,
+            humidity(10.0 * f64::from(k))
+        );
+    }
+    log
+}
+
+/// Four runs of one strip, half an hour apart, at other voltages, that leak by the humidity around them.
+fn leaking_in_a_room() -> CampaignFolder {
+    let folder = CampaignFolder::new();
+    for (name, seed, part, began_s) in [
+        ("a", 1, 1.0, 3600.0),
+        ("b", 2, 0.5, 5400.0),
+        ("c", 3, -1.0, 7200.0),
+        ("d", 4, 0.75, 9000.0),
+    ] {
+        let table = run_table(seed);
+        let (head, rows) = table.split_once('\n').unwrap();
+        let mut text = format!("{head}\n");
+        for row in rows.lines() {
+            let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+            let [t, volts, current_a, bent] = cells[..] else {
+                panic!("{row}")
+            };
+            // The clock of the run begins at -20 s.
+            let leak_a = 1e-5 * volts * (humidity(began_s + t + 20.0) - 40.0) / 8.0;
+            let (volts, current_a, bent) = (part * volts, part * (current_a + leak_a), part * bent);
+            text += &format!("{t},{volts},{current_a:.6e},{bent:.5}\n");
+        }
+        folder.write(&format!("runs/{name}.csv"), text);
+        let (hour, minute) = (9 + began_s as u32 / 3600, began_s as u32 % 3600 / 60);
+        folder.write(
+            &format!("runs/{name}.csv.toml"),
+            format!("started_at = \"2026-01-10T{hour:02}:{minute:02}:00+02:00\"\n"),
+        );
+    }
+    folder.write("ambient/room.csv", log_of(humidity));
+    folder
+}
+
+#[test]
+fn a_law_of_a_humidity_that_a_logger_in_the_room_read_is_told() {
+    let folder = leaking_in_a_room();
+    let ran = folder.ieap(&["run", "--quiet"]);
+    assert!([0, 1, 3].contains(&ran.status), "{ran:#?}");
+    let found = folder.ieap(&["diagnose", "--json"]).json();
+    let group = &found["groups"][0];
+    let law = &group["missing"][0];
+    assert_eq!(law["variable"], "relative_humidity_percent", "{group:#}");
+    assert_eq!(law["law"], "leak", "{law:#}");
+    // A log that says otherwise is another question.
+    folder.write("ambient/room.csv", log_of(|since_s| 40.0 + since_s / 1e4));
+    let ran = folder.ieap(&["run", "--quiet"]);
+    assert!([0, 1, 3].contains(&ran.status), "{ran:#?}");
+    let found = folder.ieap(&["diagnose", "--json"]).json();
+    let after = found["groups"][0]["missing"].to_string();
+    assert!(!after.contains("relative_humidity"), "{after}");
+}

@@ -40,6 +40,8 @@ pub struct FitTask {
     pub started_at: Option<String>,
     /// Hash of the readings, with the clock offsets that are applied and the tags that leave readings out.
     pub data_hash: String,
+    /// Hash of what logs say of the climate around it, where one covers it.
+    pub climate_hash: Option<String>,
     /// How the last fit of any revision of the run was asked for.
     pub last_asked: AskedFit,
 }
@@ -268,6 +270,7 @@ fn fit_task(run: &RunRow, last_asked: AskedFit) -> Option<FitTask> {
         instrument: tagging.chosen.get(keys::INSTRUMENT).cloned(),
         started_at: tagging.chosen.get(keys::STARTED_AT).cloned(),
         data_hash: run.readings_hash(),
+        climate_hash: tagging.climate_curves_hash.clone(),
         last_asked,
         path: run.path.clone(),
     })

@@ -1,7 +1,7 @@
 //! Readings of a run as results are made of them: current and curvature of the strip, whatever was measured in their place.
 
 use crate::domain::tag::keys;
-use crate::domain::{Channel, Drive, RunRecord};
+use crate::domain::{Channel, ClimateQuantity, Drive, Quantity, RunRecord, range_of};
 use crate::fit::{FitInput, FitOptions, placed_drive};
 use crate::ingest::derived;
 use crate::pipeline::{Context, PipelineError};
@@ -17,6 +17,31 @@ pub(crate) fn of_task(context: &Context, task: &FitTask) -> Result<Vec<Channel>,
         task.length_cm,
         Some(&task.drive),
     ))
+}
+
+/// The channels of a run as they are stored, and what logs beside it say of the air while it went on, where no column of its own
+/// does.
+///
+/// # Errors
+/// As of [`of_task`].
+pub(crate) fn with_climate(context: &Context, task: &FitTask) -> Result<Vec<Channel>, PipelineError> {
+    let mut channels = context.store.channels(task.run_id)?;
+    if task.climate_hash.is_none() {
+        return Ok(channels);
+    }
+    let (first_s, _) = range_of(channels.iter().filter_map(|own| own.time_s.first().copied()));
+    for curve in context.store.run_climate_curves(task.run_id)? {
+        let mut measured = Quantity::ALL.into_iter();
+        let Some(quantity) = measured.find(|own| ClimateQuantity::measured(*own) == Some(curve.quantity))
+        else {
+            continue;
+        };
+        if first_s.is_finite() && !channels.iter().any(|own| own.is_whole(quantity)) {
+            let time_s: Vec<f64> = curve.time_s.iter().map(|since_s| first_s + since_s).collect();
+            channels.push(Channel::new(quantity, time_s.into(), curve.values.into()));
+        }
+    }
+    Ok(channels)
 }
 
 /// Of each of them, in their order.

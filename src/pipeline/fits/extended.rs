@@ -8,8 +8,10 @@ use crate::domain::diagnosis::follows_a_tag;
 use crate::domain::{AskedFit, Channel, Fit, InputHash, Issue};
 use crate::fit::{FitInput, MOVING_VERSION};
 use crate::ingest::derived;
+use crate::model::effects::smooth_laws::smooth_law;
 use crate::pipeline::campaign::derived::{Derived, MadeOf};
 use crate::pipeline::campaign::group_tags::take_tags;
+use crate::pipeline::campaign::readings;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::{NewResult, ResultKind};
 
@@ -54,7 +56,7 @@ impl Derived for Groups {
     }
 
     fn load(&self, context: &Context, group: &ExtendedGroup) -> Result<Vec<Vec<Channel>>, PipelineError> {
-        let channels = |run: &Planned| Ok(context.store.channels(run.task.run_id)?);
+        let channels = |run: &Planned| readings::with_climate(context, &run.task);
         group.runs.iter().map(channels).collect()
     }
 
@@ -138,6 +140,13 @@ fn input_hash(group: &ExtendedGroup, library: &str) -> String {
     let ids = || group.choice.effects.iter().map(|effect| effect.about().id);
     if ids().any(follows_a_tag) {
         take_tags(&mut hash, &group.tags);
+    }
+    let is_of_climate = |id: &str| smooth_law(id).is_some_and(|law| law.logged().is_some());
+    if ids().any(is_of_climate) {
+        let of_climate = group.runs.iter().map(|run| run.task.climate_hash.as_deref());
+        of_climate.for_each(|climate| {
+            hash.text_or_none(climate);
+        });
     }
     let version = model_version(group.choice.base);
     hash.text(&group.choice.to_string())

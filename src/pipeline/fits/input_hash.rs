@@ -41,6 +41,7 @@ pub(crate) fn take_task(hash: &mut InputHash, task: &FitTask) {
         instrument: _,
         started_at: _,
         data_hash,
+        climate_hash: _,
         last_asked: _,
     } = task;
     hash.text(path)
@@ -94,6 +95,7 @@ pub(crate) fn input_hash(task: &FitTask, options: &FitOptions, known: &[KnownPar
         instrument: _,
         started_at: _,
         data_hash,
+        climate_hash: _,
         last_asked: _,
     } = task;
     let mut hash = InputHash::new();

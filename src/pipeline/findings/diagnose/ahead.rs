@@ -9,7 +9,7 @@ use super::subject::{Subject, subjects};
 use crate::diagnose::condemned;
 use crate::domain::fault::caught;
 use crate::numerics::interrupt;
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::fits::input_hash::library_hash;
 use crate::pipeline::{Context, PipelineError};
 use crate::store::ResultKind;
@@ -44,7 +44,7 @@ pub(crate) fn condemned_ahead(
     for subject in all.iter().filter(is_asked).filter(is_due) {
         interrupt::check();
         let channels = subject.members.iter();
-        let channels = channels.map(|&member| context.store.channels(tasks[member].run_id));
+        let channels = channels.map(|&member| readings::with_climate(context, &tasks[member]));
         let channels = channels.collect::<Result<Vec<_>, _>>()?;
         let odd = caught(|| {
             with_inputs(subject, &tasks, &channels, |inputs| {

@@ -11,7 +11,7 @@ use crate::domain::fault::caught;
 use crate::domain::{Channel, FromOthers, GroupDiagnosis, InputHash};
 use crate::pipeline::campaign::batch::{Making, TO_THE_END};
 use crate::pipeline::campaign::derived::Inputs;
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::{Context, Observer, PipelineError};
 use crate::store::{Diagnosed, FitTask, ResultKind, StoredDiagnosis};
 
@@ -41,7 +41,7 @@ pub(super) fn hold_against_others(
         may_go_on: TO_THE_END,
     };
     let load = |context: &Context, due: &Due| -> Result<Vec<Vec<Channel>>, PipelineError> {
-        let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+        let channels = |&index: &usize| readings::with_climate(context, &tasks[index]);
         due.subject.members.iter().map(channels).collect()
     };
     let make = |due: &Due, channels: Vec<Vec<Channel>>| held(due, tasks, &channels, options);

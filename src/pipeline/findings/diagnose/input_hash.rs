@@ -7,7 +7,7 @@ use crate::pipeline::campaign::group_tags::take_tags;
 use crate::pipeline::fits::input_hash::take_task;
 use crate::store::FitTask;
 
-/// Hash of readings, drives, dimensions, names, tags that differ, base model, library, seed, draws,
+/// Hash of readings, of the climate that was logged beside them, drives, dimensions, names, tags that differ, base model, library, seed, draws,
 /// tolerance and versions.
 pub(super) fn input_hash(
     subject: &Subject,
@@ -20,6 +20,7 @@ pub(super) fn input_hash(
         hash.count(members.len());
         for &member in members {
             take_task(&mut hash, &tasks[member]);
+            hash.text_or_none(tasks[member].climate_hash.as_deref());
         }
     }
     take_tags(&mut hash, &subject.tags);

@@ -18,7 +18,7 @@ use crate::domain::{Channel, GroupDiagnosis, MadeBy};
 use crate::pipeline::campaign::batch::Making;
 use crate::pipeline::campaign::context::{PROGRAM, now};
 use crate::pipeline::campaign::derived::{Holding, Inputs, in_rounds};
-use crate::pipeline::campaign::standing;
+use crate::pipeline::campaign::{readings, standing};
 use crate::pipeline::findings::current::current_findings;
 use crate::pipeline::fits::along;
 use crate::pipeline::fits::input_hash::library_hash;
@@ -205,7 +205,7 @@ impl DiagnoseRuns {
                 if subjects[0].set_apart.is_some() {
                     return Ok(Vec::new());
                 }
-                let channels = |&index: &usize| Ok(context.store.channels(tasks[index].run_id)?);
+                let channels = |&index: &usize| readings::with_climate(context, &tasks[index]);
                 members.iter().map(channels).collect()
             };
             let inputs = (hash.clone(), runs_of(subjects[0], &tasks));

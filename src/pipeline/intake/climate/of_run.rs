@@ -1,5 +1,7 @@
 //! What one run had of the climate, by its own columns and by the logs: statistics, tags, curves to draw, and what to know of it.
 
+use std::ops::Range;
+
 use super::asked::{Asked, margin};
 use super::covering::{Covering, of_logs, of_own_columns};
 use super::moisture::moisture;
@@ -14,9 +16,9 @@ use crate::domain::{ClimateCurve, ClimateQuantity, Issue, RunClimate, Tag, TagSo
 use crate::pipeline::{Context, PipelineError};
 
 /// Version of what is computed here: another one makes stored tags out of date.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
-/// Points of a drawn curve, at most about.
+/// Points of a drawn curve before, during and behind a run, at most about.
 const DRAWN: usize = 360;
 
 /// The climate of a run.
@@ -164,27 +166,22 @@ fn tag(found: &RunClimate) -> Option<Tag> {
     })
 }
 
-/// Readings around the run, thinned: least and greatest of each stretch.
+/// Readings around the run and, as closely, during it, thinned: least and greatest of each stretch. A diagnosis asks whether the strip
+/// followed them.
 fn curve(covering: &Covering, window: Window) -> ClimateCurve {
     let series = &covering.series;
-    let from = series
-        .times_s
-        .partition_point(|&t| t < window.from_s - margin(window));
-    let to = series
-        .times_s
-        .partition_point(|&t| t <= window.to_s + margin(window));
-    let per = (to - from).div_ceil(DRAWN / 2).max(1);
+    let from_s = |s: f64| series.times_s.partition_point(|&t| t < s);
+    let begins = [
+        from_s(window.from_s - margin(window)),
+        from_s(window.from_s),
+        from_s(window.to_s),
+        series
+            .times_s
+            .partition_point(|&t| t <= window.to_s + margin(window)),
+    ];
     let (mut time_s, mut values) = (Vec::new(), Vec::new());
-    for start in (from..to).step_by(per) {
-        let stretch = start..(start + per).min(to);
-        let by_value = |a: &usize, b: &usize| series.values[*a].total_cmp(&series.values[*b]);
-        let mut kept: Vec<usize> = [stretch.clone().min_by(by_value), stretch.max_by(by_value)]
-            .into_iter()
-            .flatten()
-            .collect();
-        kept.sort_unstable();
-        kept.dedup();
-        for at in kept {
+    for part in begins.windows(2) {
+        for at in thinned(&series.values, part[0]..part[1]) {
             time_s.push(series.times_s[at] - window.from_s);
             values.push(series.values[at]);
         }
@@ -195,4 +192,22 @@ fn curve(covering: &Covering, window: Window) -> ClimateCurve {
         time_s,
         values,
     }
+}
+
+/// Places of the least and the greatest value of each of at most half of [`DRAWN`] stretches.
+fn thinned(values: &[f64], places: Range<usize>) -> Vec<usize> {
+    let per = places.len().div_ceil(DRAWN / 2).max(1);
+    let by_value = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
+    let mut kept = Vec::new();
+    for start in places.clone().step_by(per) {
+        let stretch = start..(start + per).min(places.end);
+        let mut ends: Vec<usize> = [stretch.clone().min_by(by_value), stretch.max_by(by_value)]
+            .into_iter()
+            .flatten()
+            .collect();
+        ends.sort_unstable();
+        ends.dedup();
+        kept.extend(ends);
+    }
+    kept
 }

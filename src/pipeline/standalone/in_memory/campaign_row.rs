@@ -54,6 +54,7 @@ impl CampaignRow {
                 electrode_resistance_ohm_per_sq: self.electrode_resistance_ohm_per_sq,
                 electrode_resistance_error_ohm_per_sq: self.electrode_resistance_error_ohm_per_sq,
                 data_hash: self.data_hash.clone(),
+                climate_hash: None,
                 sample: None,
                 instrument: None,
                 started_at: None,

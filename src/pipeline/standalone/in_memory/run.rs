@@ -180,6 +180,7 @@ impl RunAtHand {
                 electrode_resistance_ohm_per_sq: tagging.electrode_resistance_ohm_per_sq,
                 electrode_resistance_error_ohm_per_sq: None,
                 data_hash: stamp(&read.channels, &tags),
+                climate_hash: None,
                 sample: None,
                 instrument: None,
                 started_at: None,
