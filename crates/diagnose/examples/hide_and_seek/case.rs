@@ -171,7 +171,48 @@ pub struct Case {
     pub seen: Vec<Drive>,
     /// What the clock of the bending shows beyond the truth, s.
     pub bending_ahead_s: f64,
+    /// The relative humidity around each run, where a sensor logs it.
+    pub air: Vec<Air>,
 }
+
+/// A relative humidity that wanders while a run goes on: mean and swing in percent, period in s, phase, and drift over a period.
+#[derive(Debug, Clone, Copy)]
+pub struct Air {
+    pub mean: f64,
+    pub swing: f64,
+    pub period_s: f64,
+    pub phase: f64,
+    pub drift: f64,
+    /// How late the strip follows it, s.
+    pub late_s: f64,
+}
+
+impl Air {
+    /// At a time since the start, percent.
+    pub fn at(&self, time_s: f64) -> f64 {
+        let turns = time_s / self.period_s;
+        self.mean + self.drift * turns + self.swing * (turns * std::f64::consts::TAU + self.phase).sin()
+    }
+}
+
+impl Air {
+    /// What the strip has taken up of it: it followed the air before the run as it does within.
+    pub fn taken_up(&self, time_s: f64) -> f64 {
+        let rate = std::f64::consts::TAU / self.period_s;
+        let behind = (rate * self.late_s).atan();
+        let felt = Air {
+            phase: self.phase - behind,
+            swing: self.swing * behind.cos(),
+            ..*self
+        };
+        felt.at(time_s) - self.drift * self.late_s / self.period_s
+    }
+}
+
+/// Readings of a sensor of the air in a run, and their noise and last digit, percent.
+const OF_AIR: usize = 90;
+const AIR_NOISE: f64 = 0.05;
+const AIR_DIGIT: f64 = 0.1;
 
 /// Readings at rest before the first edge, where the drive is what readings tell.
 const AT_REST: usize = 20;
@@ -321,6 +362,7 @@ pub fn case(seed: u64, plan: Plan) -> Case {
         plan,
         seen,
         bending_ahead_s,
+        air: Vec::new(),
     }
 }
 
@@ -382,6 +424,7 @@ pub fn responses(case: &Case, applied: &[Applied]) -> Vec<Responses> {
             duration_s: case.lasting_s(),
             resolved_s: None,
             tags: &[],
+            channels: &[],
         };
         let model = ExtendedModel {
             base: case.own[index].clone(),
@@ -505,7 +548,22 @@ pub fn measured(case: &mut Case, responses: &[Responses]) -> Vec<Vec<Channel>> {
             ),
         ]
     });
-    each.collect()
+    let mut all: Vec<Vec<Channel>> = each.collect();
+    let step_s = case.lasting_s() / OF_AIR as f64;
+    for (channels, air) in all.iter_mut().zip(&case.air) {
+        let time_s: Vec<f64> = (0..=OF_AIR).map(|k| step_s * k as f64).collect();
+        let read = |t: &f64| {
+            let own: f64 = StandardNormal.sample(&mut case.generator);
+            ((air.at(*t) + AIR_NOISE * own) / AIR_DIGIT).round() * AIR_DIGIT
+        };
+        let values: Vec<f64> = time_s.iter().map(read).collect();
+        channels.push(Channel::new(
+            Quantity::RelativeHumidity,
+            time_s.into(),
+            values.into(),
+        ));
+    }
+    all
 }
 
 /// Adds the zero of an ammeter and the drift of a laser.

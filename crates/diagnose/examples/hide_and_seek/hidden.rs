@@ -81,6 +81,8 @@ pub fn scale(case: &Case) -> Scale {
             .map(|r| peak(&r.curvature_per_cm))
             .fold(0.0, f64::max),
         charge_c: 0.0,
+        edges: 1,
+        logged: Vec::new(),
     };
     scale.charge_c = scale.capacitance_f_per_cm2() * 2.0 * AREA;
     scale

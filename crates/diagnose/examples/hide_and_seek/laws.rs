@@ -4,14 +4,14 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use ieap_diagnose::AbsentLaw;
+use ieap_diagnose::{AbsentLaw, DesignRun};
 use ieap_domain::{GroupDiagnosis, MissingLaw};
 use ieap_model::effects::{About, Applied, Effect, EffectParameter, Limits, Scale, Search, Site};
 use ieap_model::effects::{place_of, place_of_form};
 use ieap_model::extended::{Coefficients, Law, Now, Responses, RunContext, System};
 use rand::RngExt;
 
-use crate::case::{Case, Drives, Plan, case, diagnose, responses, responses_of, true_responses};
+use crate::case::{Air, Case, Drives, Plan, case, diagnose, responses, responses_of, true_responses};
 use crate::differs::differing_bases;
 use crate::each;
 use crate::foreign::{Cause, with_forms};
@@ -146,6 +146,18 @@ pub fn laws(first: u64, count: u64, strengths: &[f64], only: &[String]) {
                 println!("{}", found.row(&format!("random laws, {kind}, d {d}")));
             }
         }
+        if wanted("climate") {
+            println!(
+                "{}",
+                of_climate(first, count, d).row(&format!("laws of a logged humidity, d {d}"))
+            );
+        }
+        if wanted("history") {
+            println!(
+                "{}",
+                of_history(first, count, d).row(&format!("laws of what went before, d {d}"))
+            );
+        }
         if wanted("pairs") {
             println!("{}", pairs(first, count, d).row(&format!("a pair, d {d}")));
         }
@@ -191,6 +203,9 @@ pub fn outside(first: u64, count: u64, d: f64, is_absent: bool) -> Count {
     let found = each(&all, |&seed| {
         let mut case = case(seed, Plan::default());
         let (drawn, with) = drawn(&mut case, d)?;
+        if std::env::var_os("AIR").is_some() {
+            case.air = air(&mut case, 0.2);
+        }
         let shown = format!("{} {}", drawn.law, drawn.variable);
         let absent = AbsentLaw {
             site: drawn.site(),
@@ -200,12 +215,62 @@ pub fn outside(first: u64, count: u64, d: f64, is_absent: bool) -> Count {
         let absent = is_absent.then_some(absent);
         Some((drawn, looked_without(&mut case, &with, &shown, absent)))
     });
+    counted(found)
+}
+
+/// Laws of random shapes of what went before.
+fn of_history(first: u64, count: u64, d: f64) -> Count {
+    let all: Vec<u64> = (0..count).map(|k| first + 800_000 + k).collect();
+    let found = each(&all, |&seed| {
+        let mut case = case(seed, Plan::default());
+        let (drawn, with) = drawn_of(&mut case, d, &OF_HISTORY)?;
+        Some((
+            drawn,
+            looked(&mut case, &with, &format!("{} {}", drawn.law, drawn.variable)),
+        ))
+    });
+    counted(found)
+}
+
+fn counted(found: Vec<(&'static Drawn, (GroupDiagnosis, f64))>) -> Count {
     let mut sum = Count::default();
     for (drawn, (looked, seconds)) in found {
         let truth = Truth::Law(drawn.site(), drawn.law, drawn.variable);
         sum.add(&looked, truth, None, seconds);
     }
     sum
+}
+
+/// Laws of random shapes of a humidity that wanders while runs go on, each with a wave and a drift of its own, and logged.
+fn of_climate(first: u64, count: u64, d: f64) -> Count {
+    let all: Vec<u64> = (0..count).map(|k| first + 600_000 + k).collect();
+    let found = each(&all, |&seed| {
+        let mut case = case(seed, Plan::default());
+        case.air = air(&mut case, 1.0);
+        let (drawn, with) = drawn_of(&mut case, d, &OF_CLIMATE)?;
+        Some((
+            drawn,
+            looked(&mut case, &with, &format!("{} {}", drawn.law, drawn.variable)),
+        ))
+    });
+    counted(found)
+}
+
+/// A humidity around each run, with a wave and a drift of its own, so large.
+fn air(case: &mut Case, size: f64) -> Vec<Air> {
+    let lasting_s = case.lasting_s();
+    let generator = &mut case.generator;
+    let mean = generator.random_range(25.0..75.0);
+    let late_s = lasting_s * [0.0, 0.01, 0.03, 0.1][generator.random_range(0..4)];
+    let of_run = |_: &DesignRun| Air {
+        mean: mean + size * generator.random_range(-3.0..3.0),
+        swing: size * generator.random_range(2.0..8.0),
+        period_s: lasting_s * generator.random_range(0.2..1.5),
+        phase: generator.random_range(0.0..std::f64::consts::TAU),
+        drift: size * generator.random_range(-4.0..4.0),
+        late_s,
+    };
+    case.design.iter().map(of_run).collect()
 }
 
 /// Two effects of the library at once, one in the current and one in the bending: what is told first is one of the two.
@@ -333,6 +398,8 @@ struct Drawn {
     wave: (f64, f64, f64),
     /// Largest value of the variable.
     most: f64,
+    /// What the runs' air does.
+    air: &'static [Air],
 }
 
 /// Laws and variables that are drawn from.
@@ -351,6 +418,27 @@ const DRAWN: [(&str, &str); 14] = [
     ("coupling", "time_s"),
     ("relaxation", "voltage_v"),
     ("relaxation", "charge_c_per_cm2"),
+];
+
+/// Laws of what went before, and of the current with its sign, that are drawn from.
+const OF_HISTORY: [(&str, &str); 8] = [
+    ("resistance", "edges"),
+    ("capacitance", "edges"),
+    ("coupling", "edges"),
+    ("resistance", "largest_voltage_v"),
+    ("relaxation", "largest_voltage_v"),
+    ("leak", "time_since_edge_s"),
+    ("coupling", "time_since_edge_s"),
+    ("coupling", "current_a_per_cm2"),
+];
+
+/// Laws of the humidity that are drawn from.
+const OF_CLIMATE: [(&str, &str); 5] = [
+    ("resistance", "relative_humidity_percent"),
+    ("capacitance", "relative_humidity_percent"),
+    ("leak", "relative_humidity_percent"),
+    ("coupling", "relative_humidity_percent"),
+    ("relaxation", "relative_humidity_percent"),
 ];
 
 impl Drawn {
@@ -374,13 +462,30 @@ impl Drawn {
 }
 
 fn drawn(case: &mut Case, d: f64) -> Option<(&'static Drawn, Vec<Responses>)> {
-    let (law, variable) = DRAWN[case.generator.random_range(0..DRAWN.len())];
+    drawn_of(case, d, &DRAWN)
+}
+
+fn drawn_of(
+    case: &mut Case,
+    d: f64,
+    laws: &[(&'static str, &'static str)],
+) -> Option<(&'static Drawn, Vec<Responses>)> {
+    let (law, variable) = laws[case.generator.random_range(0..laws.len())];
     let scale = crate::hidden::scale(case);
     let most = match variable {
         "time_s" => scale.longest_s(),
         "charge_c_per_cm2" => scale.charge_c / scale.area_cm2,
         "curvature_per_cm" => scale.curvature_per_cm,
         "current_a_per_cm2" => scale.current_a / scale.area_cm2,
+        "edges" => case
+            .design
+            .iter()
+            .map(|run| run.drive.segments.len())
+            .max()
+            .unwrap_or(1) as f64,
+        "time_since_edge_s" => scale.longest_s(),
+        // What is drawn of is the deviation from the mean.
+        "relative_humidity_percent" => 10.0,
         "heat" => scale.charge_c * scale.voltage_v / scale.area_cm2,
         _ => scale.voltage_v,
     };
@@ -404,6 +509,7 @@ fn drawn(case: &mut Case, d: f64) -> Option<(&'static Drawn, Vec<Responses>)> {
         steps,
         wave,
         most,
+        air: Box::leak(case.air.clone().into_boxed_slice()),
     }));
     let unit = match law {
         "leak" => 0.05 * scale.current_a / scale.area_cm2 / scale.voltage_v,
@@ -456,9 +562,15 @@ impl Effect for Drawn {
     fn search(&self, _variant: usize, _scale: &Scale) -> Search {
         Search::over(0.02, vec![Limits::linear(0.0, 0.6)], &[])
     }
-    fn apply(&self, _variant: usize, parameters: &[f64], _run: &RunContext, system: &mut System) {
+    fn apply(&self, _variant: usize, parameters: &[f64], run: &RunContext, system: &mut System) {
         let own = Shape {
             drawn: *self,
+            air: self.air.get(run.index).copied(),
+            levels: run
+                .drive
+                .levels()
+                .map(|(from_s, volts)| (from_s - run.start_s(), volts.unwrap_or(0.0).abs()))
+                .collect(),
             strength: parameters[0],
             unit: parameters[1],
         };
@@ -468,8 +580,21 @@ impl Effect for Drawn {
 
 struct Shape {
     drawn: Drawn,
+    air: Option<Air>,
+    /// When each segment begins, and the size of its voltage.
+    levels: Vec<(f64, f64)>,
     strength: f64,
     unit: f64,
+}
+
+impl Shape {
+    fn begun<'a>(&'a self, now: &Now) -> impl Iterator<Item = f64> + 'a {
+        let clock_s = now.clock_s;
+        self.levels
+            .iter()
+            .take_while(move |(from_s, _)| *from_s <= clock_s)
+            .map(|(_, volts)| *volts)
+    }
 }
 
 impl Law for Shape {
@@ -493,8 +618,15 @@ impl Law for Shape {
             "charge_c_per_cm2" if drawn.law == "relaxation" => now.charge_c_per_cm2.abs(),
             "charge_c_per_cm2" => now.charge_c_per_cm2,
             "curvature_per_cm" => now.curvature_per_cm,
+            "time_since_edge_s" => now.since_edge_s,
+            "edges" => self.begun(now).count() as f64,
+            "largest_voltage_v" => self.begun(now).fold(0.0, f64::max),
+            "current_a_per_cm2" if drawn.law == "coupling" => now.current_a_per_cm2,
             "current_a_per_cm2" => now.current_a_per_cm2.abs(),
             "heat" => memory,
+            "relative_humidity_percent" => self
+                .air
+                .map_or(0.0, |air| air.taken_up(now.clock_s) - self.drawn.air[0].mean),
             _ if drawn.law == "relaxation" => now.source_v.abs(),
             _ => now.source_v,
         };

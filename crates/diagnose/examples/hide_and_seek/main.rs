@@ -3,14 +3,14 @@
 //! `cargo run --release --example hide_and_seek -- null 40 [first seed [part of a condition's name ...]]`: nothing is hidden, in
 //! the lengths, rates, edges, clocks, noises, zeros and drifts of laboratories, of each so many groups.
 //!
-//! `-- laws 16 32 [own] [foreign] [outside] [absent] [strange] [pairs] [differs]`: every equation of the library; foreign forms of
-//! them; laws of random shapes that no library holds; these where the law is taken off the list; strange causes; two equations at once; parameters that differ from run to run. Of each so many groups at these strengths (standard deviations
+//! `-- laws 16 32 [own] [foreign] [outside] [absent] [climate] [history] [strange] [pairs] [differs]`: every equation of the library; foreign forms of
+//! them; laws of random shapes that no library holds; these where the law is taken off the list; laws of a humidity that is logged; laws of what went before; strange causes; two equations at once; parameters that differ from run to run. Of each so many groups at these strengths (standard deviations
 //! after the refit, commas between).
 //!
 //! `-- visible 100` adds an error of the size that a clean group is said to show. `-- short` fails where a few groups of each
 //! kind come out worse than chance would have them.
 //!
-//! Environment: `SHOW=1` prints each group; `FIRST` is the first seed of `laws`; `DRIVES=step`, `same` (three of it), `voltages`,
+//! Environment: `SHOW=1` prints each group; `AIR=1` logs a humidity that wanders and does nothing beside laws of random shapes; `FIRST` is the first seed of `laws`; `DRIVES=step`, `same` (three of it), `voltages`,
 //! `three` (voltages) or `discharge` (two runs) are taken in place of five drives, `repeated` takes three drives twice each,
 //! `moving` a sine, a chirp and a triangle, `sine` the first, `steps-and-sine` two steps beside it; `READINGS=uneven`,
 //! `quantised` or `outliers` (1 %, ten standard deviations off) says how groups are read; `GROWING=1` lets the noise at the
