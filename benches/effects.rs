@@ -47,6 +47,7 @@ fn simulations(criterion: &mut Criterion) {
             duration_s: END_S,
             resolved_s: None,
             tags: &[],
+            channels: &[],
         };
         for (id, parameters) in effects {
             let applied = effect(id).map(|effect| Applied {
