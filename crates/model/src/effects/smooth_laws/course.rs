@@ -26,7 +26,7 @@ impl Course {
         let (time_s, values) = run.logged(quantity)?.included();
         // What came before the run is still felt in it: as long before as it lasts, where that was read.
         let earliest_s = 2.0 * run.start_s() - run.duration_s;
-        let first_s = time_s.first()?.clamp(earliest_s, run.start_s());
+        let first_s = time_s.first()?.max(earliest_s).min(run.start_s());
         let step_s = (run.duration_s - first_s) / (PLACES - 1) as f64;
         let read = |k: usize| read_at(&time_s, &values, first_s + step_s * k as f64);
         let read: Vec<f64> = (0..PLACES).map(read).collect();
