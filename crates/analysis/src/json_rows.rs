@@ -54,7 +54,7 @@ pub fn texts(table: &[FrameColumn], flags: [&'static str; 2]) -> impl Iterator<I
             };
         }
         text.push(b'}');
-        String::from_utf8(text).unwrap_or_default()
+        String::from_utf8_lossy(&text).into_owned()
     })
 }
 
