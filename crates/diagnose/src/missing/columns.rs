@@ -7,10 +7,9 @@ use ieap_model::extended::ExtendedModel;
 use ieap_numerics::sums::dot;
 use rayon::prelude::*;
 
+use super::policy::ALIKE;
 use crate::fitting::problem::{ExtendedProblem, FreeEffect};
 
-/// Part of the square of columns by which those of one law may differ.
-const ALIKE: f64 = 1e-6;
 /// Part of the probe's weight at which a column is taken.
 const SMALL: f64 = 0.1;
 

@@ -32,6 +32,9 @@ pub(crate) use ieap_domain::finding_words::INEXACT;
 pub(super) const CLEAR_GAIN: f64 = 2.944;
 /// A law must leave less than this part of the error beyond noise: the larger part is its own. By definition.
 pub(super) const LARGER_PART: f64 = 0.5;
+/// Part of the square of its columns by which a law may differ from another that is the same on the group's drives: a thousandth, which
+/// the steps of the integration leave. Chosen.
+pub(super) const ALIKE: f64 = 1e-6;
 /// Laws that are sought one after another at most. Chosen.
 pub(super) const MOST_LAWS: usize = 3;
 /// Part of the error beyond noise that laws must leave for another one to be sought: no law is exact.
